@@ -23,11 +23,6 @@ class Ways:
     Give `lab_page`, `lesson_page` and `class_pages` what `of_site` returns for the folder of a site as that page sees
     it ("" for the lab, "../" for lessons, "https://…/" for a file that is sent), or what `served` returns for the root
     of the page's own server. The page that is shown needs no address of its own: see `header`.
-
-    Attributes
-    ----------
-    play, learn, teach, use, workbench
-        The lab; lessons; how to teach; the documentation; the Workbench.
     """
 
     play: str | None = None

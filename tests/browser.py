@@ -1,7 +1,4 @@
-"""The Chromium or Chrome of the browser tests. `python tests/browser.py` prints its path, installs one if need be.
-
-It also installs TypeScript's checker, of which pip has no package.
-"""
+"""The Chromium or Chrome of the browser tests. `python tests/browser.py` prints its path, installs one if need be."""
 
 import os
 import shutil
@@ -102,6 +99,3 @@ if __name__ == "__main__":
     if path is None:
         sys.exit("tests/browser.py: found no Chromium or Chrome, and could install none; set VIEWIMIT_CHROMIUM")
     print(path)
-    import typescript
-
-    typescript.install()

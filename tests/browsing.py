@@ -33,7 +33,6 @@ ALL_TRANSFERS = css(drawn.ALL_TRANSFERS)
 DUEL = css(drawn.DUEL)
 HELP = css(drawn.HELP)
 PANEL = css(drawn.PANEL)
-CURVES = css(drawn.E_CURVE)
 METRICS, LEGEND = css(drawn.METRICS), f"{css(drawn.IMAGES)} {css(drawn.LEGEND)}"
 VIEW_TABS = f"{css(drawn.VIEW_TABS)} label"  # of a small window
 CARD = css(drawn.CARD)  # the curves, beside the scene where there is room

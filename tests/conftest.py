@@ -22,7 +22,7 @@ from viewimit.commands.cli import main
 from viewimit.geometry import limit_blas_threads
 
 METHOD = "geometry", "kinematics", "estimation", "servo", "golden"
-LONG = "test_readme.py", "test_extension.py", "test_scenes.py"
+LONG = "test_site.py", "test_readme.py", "test_extension.py"
 WAITING = "test_faults.py", "test_deploy.py"
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
 passed_in_browser: list[str] = []
@@ -105,10 +105,10 @@ def pytest_collection_modifyitems(items):
     in_browser = {item.path for item in items if "browser" in item.keywords}
 
     def rank(item):
-        if item.path in in_browser:
-            return 3
         if item.path.name in (*LONG, *WAITING):
             return 2
+        if item.path in in_browser:
+            return 3
         return 0 if item.path.parent.name in METHOD else 1
 
     items.sort(key=rank)

@@ -18,7 +18,6 @@ SPREAD = "vi-spread"  # ellipse, where it may be recovered
 STEPS = "vi-steps"  # from the middle of all points to it
 HOW = "vi-how"  # words
 IMAGE_L = "vi-at-L"
-NEAREST = "vi-nearest"  # to a finger: what a click chooses
 EPIPOLAR_LINE = "vi-line"  # of any of the three other images
 FROM_LEFT = "vi-line"
 FROM_RIGHT = "vi-line vi-from-right"
@@ -27,19 +26,15 @@ OWN_POINTS = "vi-own"
 DEMONSTRATORS_POINTS = "vi-seen"
 RECOVERED_POINTS = "vi-found"
 RESIDUALS = "vi-e"  # arrows
-HULL = "vi-hull"  # of a link
-SKELETON = "vi-bone"
 PHOTOGRAPH = "vi-photograph"
 NOT_DETECTED = "vi-idle"
 
 # In a landscape
 LEVELS = "vi-contour"
-LEVEL_NUMBERS = "vi-2nd vi-halo vi-mid"
 LABELS = "vi-halo"  # that stand over the drawing
 CENTRED = "vi-mid"
 CELL_NUMBERS = "vi-mid"
 SMALLEST_E = "vi-cross"
-DEMONSTRATORS_POSTURE = "vi-seen"
 INSET = "vi-inset"  # frame, of what lies closest together
 TO_THE_LEFT = "vi-end"  # of where it stands
 START = "vi-basin-mark"
@@ -53,7 +48,6 @@ E_CURVE = "vi-line-E"
 TRUE = "vi-line-demo"  # the demonstrator's angles and its E, or the true path
 OWN_TRACE = "vi-line-own"
 BIASES_EPIPOLAR = "vi-x-fill-learner"  # dots
-PARABOLAS_LEVEL = "vi-x-ellipse"
 LED = "vi-lead"  # line to a label
 CONFLICT = "vi-E"  # E, the largest figure below the images
 
@@ -75,7 +69,6 @@ PROGRESS = "vi-progress"
 VERDICT = "vi-claims"
 MOTION = "vi-said"  # of the demonstrator, that is chosen
 MOTIONS_MADE = "vi-count"
-SEE_THROUGH = "vi-aim"  # the arm that is
 OFFER = "vi-offer"
 DRAWING = "vi"  # any
 
@@ -88,7 +81,6 @@ def label(words: str | None) -> str:
 
 
 LAYOUT_ONLY = {EXPERIMENT, SOLID}  # classes of figures that need no style
-LAYOUT_ONLY_OF_DUELS = {DUEL, ALL_TRANSFERS, SOLID}
 
 
 def parsed(html: str) -> ElementTree.Element:
@@ -118,11 +110,6 @@ def path(root: ElementTree.Element, seen: str) -> str:
 def paths(html: str, *seen: str) -> list[str]:
     """All that are marked as all of this, as they are written, in order."""
     return [element.get("d", "") for element in marked(parsed(html), "path", *seen)]
-
-
-def line_of(role: str) -> str:
-    """Of a curve in a role's colour."""
-    return f"vi-x-{role}"
 
 
 def written_path(html: str, seen: str) -> str | None:

@@ -15,6 +15,7 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+import typescript
 from mutants import fault_in, mutants
 
 import viewimit
@@ -88,9 +89,17 @@ def faults() -> str:
     return "\n".join(found for mutant in mutants() if (found := fault_in(mutant)))
 
 
+def modules() -> str:
+    """Return what TypeScript's checker, in its strict mode, finds in the lab's modules."""
+    typescript.install()
+    command = [typescript.node(), str(typescript.COMPILER), "-p", str(ROOT / "tests" / "lab")]
+    done = subprocess.run(command, capture_output=True, text=True)
+    return done.stdout + done.stderr if done.returncode else ""
+
+
 CHECKS = {
-    "style": style, "types": types, "completeness": completeness, "docstrings": docstrings, "forge": forge,
-    "faults": faults,
+    "style": style, "types": types, "modules": modules, "completeness": completeness, "docstrings": docstrings,
+    "forge": forge, "faults": faults,
 }  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""What a class costs: `python tests/measure_load.py --clients 30 --seconds 60 [--browsers 3]`.
+"""What a class costs: `python tests/measure_load.py --clients 30 --seconds 60`.
 
 Clients that speak viser's protocol, from processes of their own, each with a session whose loop runs; as a browser
 does, each says which tabs are not open. Of each: updates of poses, of the images and of the landscape that arrive, a
@@ -15,18 +15,14 @@ import sys
 import time
 from collections.abc import Iterator
 
-import browser as chromium
 import numpy as np
-from drawn import IMAGE_PLANE, LEARNERS_PATH, STATUS, css
+from drawn import IMAGE_PLANE, LEARNERS_PATH
 from protocol import Client
 from serving import Server
 
 WARM_UP_S = 15.0
 CLOSED = "Curves,Equations,Duel,Experiments,Follow"  # as a page begins; "none" draws all
 PERIOD_S = 1.0  # of the slider
-SMALL = {"width": 640, "height": 400}  # of browsers, which render on the same cores
-PASSES = 100_000
-SETTLED_S = 60.0  # from which on memory should not grow
 TARGETS = {"poses": 20.0, "panels": 10.0, "plots": 5.0}
 MARKS = {"poses": b"SetOrientationMessage", "panels": IMAGE_PLANE.encode(), "plots": LEARNERS_PATH.encode()}
 OPTIONS = ("--servo", "gradient-retuned", "--transfer", "epipolar", "--frames", "1", "--start", "25,-45")
@@ -86,48 +82,22 @@ def slider_delays(client: Counting, until: float, angles: Iterator[float]) -> li
     return delays
 
 
-def plain_loop_ns() -> float:
-    """Processor time of a pass through a plain loop: what a core is worth while others share it."""
-    began, total = time.process_time(), 0
-    for k in range(PASSES):
-        total += k
-    return 1e9 * (time.process_time() - began) / PASSES
-
-
-def open_browsers(stack: list, url: str, count: int) -> None:
-    if not count:
-        return
-    from playwright.sync_api import sync_playwright
-
-    path = chromium.find()
-    stack.append(sync_playwright().start())
-    launched = stack[0].chromium.launch(executable_path=path, args=chromium.FLAGS)
-    for _ in range(count):
-        page = launched.new_context(viewport=SMALL).new_page()
-        page.goto(url)
-        page.wait_for_selector(css(STATUS), state="attached", timeout=120_000)
-        page.keyboard.press("Space")
-
-
-def measure(clients: int, seconds: float, browsers: int, speed: str, closed: str) -> dict:
-    server = Server("--max-clients", str(clients + browsers + 1), *OPTIONS)
-    stack = []
+def measure(clients: int, seconds: float, speed: str, closed: str) -> dict:
+    server = Server("--max-clients", str(clients + 1), *OPTIONS)
     context = multiprocessing.get_context("spawn")
     begin, end, results = context.Event(), context.Event(), context.Queue()
     shares = [len(part) for part in np.array_split(np.arange(clients), 2) if len(part)]
     arguments = [(server.url, share, speed, closed, begin, end, results) for share in shares]
     processes = [context.Process(target=run_clients, args=each, daemon=True) for each in arguments]
-    open_browsers(stack, server.url, browsers)
     for process in processes:
         process.start()
     probe = Counting(server.url, closed)
     time.sleep(WARM_UP_S)
     begin.set()
     cpu, since, memory = server.cpu_s, time.monotonic(), [(0.0, server.memory)]
-    delays, worth, angles = [], [], itertools.cycle((50.0, 45.0))
+    delays, angles = [], itertools.cycle((50.0, 45.0))
     while (passed := time.monotonic() - since) < seconds:
         delays += slider_delays(probe, time.monotonic() + min(5.0, seconds - passed), angles)
-        worth.append(plain_loop_ns())
         memory.append((time.monotonic() - since, server.memory))
     used = (server.cpu_s - cpu) / (time.monotonic() - since)
     end.set()
@@ -135,28 +105,21 @@ def measure(clients: int, seconds: float, browsers: int, speed: str, closed: str
     for process in processes:
         process.join()
     probe.close()
-    if stack:
-        stack[0].stop()
     server.stop()
-    settled = [sample for sample in memory if sample[0] >= SETTLED_S] if seconds >= 2 * SETTLED_S else memory
-    slope = np.polyfit(*np.transpose(settled), 1)[0] * 60
     return {
         "clients": clients,
-        "browsers": browsers,
         "closed": closed,
         "speed": speed,
         "seconds": round(seconds),
         **{kind: spread([rate[kind] for rate in rates]) for kind in TARGETS},
         "cores": round(used, 3),
-        "cpu_ms_a_client_and_s": round(1e3 * used / (clients + browsers + 1), 1),
-        "plain_loop_ns": round(statistics.median(worth), 1),
+        "cpu_ms_a_client_and_s": round(1e3 * used / (clients + 1), 1),
         "slider_to_wire_ms": {
             "median": round(1e3 * statistics.median(delays)),
             "p95": round(1e3 * float(np.quantile(delays, 0.95))),
             "missed": sum(delay >= PERIOD_S for delay in delays),
         },
         "memory_mb": [round(memory[int(share * (len(memory) - 1))][1]) for share in (0, 0.25, 0.5, 0.75, 1)],
-        "memory_mb_a_minute": round(float(slope), 2),
     }
 
 
@@ -168,11 +131,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--clients", type=int, default=30)
     parser.add_argument("--seconds", type=float, default=60.0)
-    parser.add_argument("--browsers", type=int, default=0)
     parser.add_argument("--speed", default="10 a second", help="of the loops, as the page has it (%(default)s)")
     parser.add_argument("--closed", default=CLOSED, help="tabs of each client that are not open (%(default)s)")
     args = parser.parse_args()
-    json.dump(measure(args.clients, args.seconds, args.browsers, args.speed, args.closed), sys.stdout, indent=1)
+    json.dump(measure(args.clients, args.seconds, args.speed, args.closed), sys.stdout, indent=1)
     print()
 
 

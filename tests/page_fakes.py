@@ -131,27 +131,18 @@ class Camera:
     """Stands for the process: looks at projected markers, as long as its gate is open. asked: by which threads."""
 
     def __init__(self):
-        self.gate, self.asked, self.closed = threading.Event(), [], []
-        self.refusal = self.loss = None
+        self.gate, self.asked = threading.Event(), []
+        self.loss = None
         self.gate.set()
 
-    def open(self, scene, key=None):
-        if self.refusal:
-            raise ValueError(self.refusal)
-        self.world = World(scene, body=load_markers(scene.robot).body)
-        return 0, 0.0
-
-    def ask(self, key, what, *arguments):
-        self.asked.append((what, threading.get_ident()))
+    def look(self, scene, theta, pair, posture):
+        self.asked.append((pair, threading.get_ident()))
         assert self.gate.wait(30)
         if self.loss:
             raise CameraLost(self.loss)
-        if what in ("own_images", "demo_images"):
-            return getattr(self.world, what)(*arguments), (b"left", b"right")
-        return arguments[-1], ()  # an arm without weight
-
-    def close(self, key):
-        self.closed.append(key)
+        world = World(scene, body=load_markers(scene.robot).body)
+        images = world.demo_images(posture) if pair == "lr" else world.own_images(posture)
+        return images, (b"left", b"right"), theta
 
 
 class Visit:
@@ -193,11 +184,6 @@ class Visit:
     @property
     def images(self):
         return self.page.layout.named["images"].content
-
-    @property
-    def camera_on(self):
-        """As the box shows it."""
-        return self.page.layout.named["camera"].value
 
     @property
     def photographs(self):

@@ -20,6 +20,7 @@ LAYERS = (  # folders and modules of viewimit/: each imports only from lines abo
     {"analysis"},
     {"drawing"},
     {"experiments"},
+    {"options"},
     {"app"},
     {"commands"},
     {"__main__"},

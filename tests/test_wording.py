@@ -12,10 +12,10 @@ from viewimit.app.model.choices import PRESETS
 
 from viewimit.commands import reproduce
 from viewimit.commands.json_output import plain
-from viewimit.commands.options import settings_from
 from viewimit.loop.codegen import MAX_LINES, as_command, as_python, as_reproduction
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
+from viewimit.options import settings_from
 from viewimit.simulation.scene import load_scene
 
 SEEN_BY_POINTS = [preset.settings for preset in PRESETS if preset.settings.sensor == "projected"]

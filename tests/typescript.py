@@ -1,4 +1,4 @@
-"""Node, which a package of the tests brings, and TypeScript's checker, which `python tests/browser.py` installs."""
+"""Node, which a package of the tests brings, and TypeScript's checker, which `python tests/lint.py` installs."""
 
 import shutil
 import subprocess

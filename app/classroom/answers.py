@@ -38,19 +38,11 @@ def fits(ask: Ask, given: Given) -> bool:
 
 
 def is_right(ask: Ask, given: Given, truth: Sequence[Sequence[float]] = (), near: float | None = None) -> bool | None:
-    """Return whether an answer is right; None where nothing is, or it is not known.
+    """Return whether an answer, which fits what is asked, is right; None where nothing is, or it is not known.
 
-    Parameters
-    ----------
-    ask
-        What is asked.
-    given
-        The answer, which fits it.
-    truth
-        What the lecturer's page has computed where the lesson's file does not say it: the number of the right answer
-        from 1, a number, a posture, a place, or the corners of a line.
-    near
-        How far a place may be from it, in the unit of places; None for `ask.near`.
+    truth: what the lecturer's page has computed where the lesson's file does not say it: the number of the right answer
+    from 1, a number, a posture, a place, or the corners of a line; near: how far a place may be from it, None for
+    `ask.near`.
     """
     if isinstance(ask, Choice) and ask.right is None:
         return ask.answers[given.choice or 0].right

@@ -1,7 +1,6 @@
 """The pages of a class: its lessons in one page, with what a lecturer and students need, and the lab."""
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 
 from ..lab.lessons.format import Lesson
 from ..lab.lessons.page import HERE, lesson_page
@@ -16,19 +15,9 @@ STYLES = "class.css", "../challenge/challenge.css"
 
 
 def lessons_of(given: Sequence[str]) -> dict[str, Lesson]:
-    """Return the lessons of a class by name.
+    """Return lessons by name, of names or files; without any, all that are shipped.
 
-    Parameters
-    ----------
-    given
-        Names or files; without any, all lessons that are shipped.
-
-    Raises
-    ------
-    ValueError
-        For a lesson that does not exist, or a file that is no lesson.
-    OSError
-        For a file that cannot be read.
+    Raises ValueError for a lesson that does not exist, or a file that is no lesson; OSError.
     """
     return dict(map(find, given)) if given else shipped()
 
@@ -36,17 +25,10 @@ def lessons_of(given: Sequence[str]) -> dict[str, Lesson]:
 def class_pages(lessons: Mapping[str, Lesson], embed: Sequence[str]) -> dict[str, Callable[[], Page]]:
     """Return what makes each page, by path. A lecturer's own lessons take seconds, as they are computed.
 
-    Parameters
-    ----------
-    lessons
-        The lessons of the class by name.
-    embed
-        Origins whose pages may show a page in a frame.
+    embed: origins whose pages may show a page in a frame.
     """
-    make = lambda page: Page(page(), embed)
-    lab = partial(lab_page, ways=WAYS)
-    return {"/": partial(make, partial(_lessons_page, lessons)), "/lab": partial(make, lab)}
-
-
-def _lessons_page(lessons: Mapping[str, Lesson]) -> str:
-    return lesson_page(lessons, ENTRY, "\n".join((HERE / name).read_text("utf-8") for name in STYLES), ways=WAYS)
+    styles = "\n".join((HERE / name).read_text("utf-8") for name in STYLES)
+    return {
+        "/": lambda: Page(lesson_page(lessons, ENTRY, styles, ways=WAYS), embed),
+        "/lab": lambda: Page(lab_page(ways=WAYS), embed),
+    }

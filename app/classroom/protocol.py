@@ -217,13 +217,7 @@ class Rejected(ValueError):
 
 
 def decode(text: str | bytes | None) -> Message:
-    """Return a browser's message.
-
-    Raises
-    ------
-    Rejected
-        If it is binary, too long, not JSON, or no message of a class.
-    """
+    """Return a browser's message. Raises Rejected if it is binary, too long, not JSON, or no message of a class."""
     if not isinstance(text, str):
         raise Rejected("a binary message")
     if len(text) > MAX_MESSAGE_BYTES:

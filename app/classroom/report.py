@@ -72,14 +72,10 @@ class Learned(msgspec.Struct, frozen=True):
 
 
 def learned(rows: Iterable[Row]) -> Learned:
-    """Return the gain by the eight questions, of persons who answered both times.
+    """Return the gain by the eight questions, of persons who answered the same one before and after.
 
-    Only pairs count: the same person's answers to the same question before and after.
-
-    Notes
-    -----
-    The gain is (after - before) / (1 - before) of the class's shares (Hake, Am. J. Phys. 66, 1998). Its interval is
-    the percentile bootstrap over persons (Efron & Tibshirani 1993, section 13.3).
+    It is (after - before) / (1 - before) of the class's shares (Hake, Am. J. Phys. 66, 1998), its interval the
+    percentile bootstrap over persons (Efron & Tibshirani 1993, section 13.3).
     """
     right: dict[tuple[int, str], dict[str, bool]] = defaultdict(dict)
     for row in rows:

@@ -18,6 +18,7 @@ from typing import Any
 import msgspec
 import segno
 
+from ..server.limits import TokenBucket
 from . import protocol as p
 from .answers import QUESTIONS, Asks, fits, is_right
 from .report import as_csv, learned
@@ -37,22 +38,6 @@ RELEASED: dict[str, Any] = {"asked": None, "lead": False, "frozen": False, "hidd
 log = logging.getLogger(__name__)
 
 
-class Allowance:
-    """A number of messages at once, and a rate at which more are allowed (a token bucket)."""
-
-    def __init__(self, rate: float, burst: int):
-        self._rate, self._burst, self._left, self._at = rate, burst, float(burst), 0.0
-
-    def take(self, now: float) -> bool:
-        """Take one, and return whether there was one."""
-        self._left = min(self._burst, self._left + self._rate * (now - self._at)) if self._at else self._burst
-        self._at = now
-        if self._left < 1:
-            return False
-        self._left -= 1
-        return True
-
-
 @dataclass(eq=False)
 class Person:
     """The user of one browser, in one or more tabs."""
@@ -66,7 +51,7 @@ class Person:
     linked: bool = True
     tabs: set["Browser"] = field(default_factory=set)
     at: p.At | None = None
-    codes: Allowance = field(default_factory=lambda: Allowance(CODES_PER_S, CODES_AT_ONCE))
+    codes: TokenBucket = field(default_factory=lambda: TokenBucket(CODES_PER_S, CODES_AT_ONCE))
 
     def voter(self, lesson: str, step: str, phase: str) -> str:
         """Return the name under which an answer is kept."""
@@ -74,15 +59,7 @@ class Person:
 
 
 class Browser:
-    """One connection.
-
-    Parameters
-    ----------
-    address
-        Its network address.
-    wake
-        Is called when there is something to send.
-    """
+    """One connection. address: its network address; wake(): called when there is something to send."""
 
     def __init__(self, address: str, wake: Callable[[], None] = lambda: None):
         self.address, self.wake = address, wake
@@ -92,7 +69,7 @@ class Browser:
         self.outbox: deque[str] = deque()
         self.screen: str | None = None  # the lecturer's newest one; older ones are not sent any more
         self.is_too_slow = False
-        self.allowance = Allowance(MESSAGES_PER_S, MESSAGES_AT_ONCE)
+        self.allowance = TokenBucket(MESSAGES_PER_S, MESSAGES_AT_ONCE)
 
     @property
     def is_lecturer(self) -> bool:
@@ -114,18 +91,8 @@ class Browser:
 class Room:
     """A class, as its store has it.
 
-    Parameters
-    ----------
-    store
-        What survives a restart.
-    code
-        The lecturer's code, unless the lecturer has chosen another one.
-    asks
-        What its lessons ask.
-    is_new_code
-        Forget a code that the lecturer has chosen.
-    clock
-        Seconds, monotonic.
+    code: the lecturer's, unless the lecturer has chosen another one, which is_new_code forgets; asks: what its lessons
+    ask.
     """
 
     def __init__(
@@ -134,9 +101,8 @@ class Room:
         code: str,
         asks: Asks,
         is_new_code: bool = False,
-        clock: Callable[[], float] = time.monotonic,
     ):
-        self.store, self.asks, self._clock = store, asks, clock
+        self.store, self.asks = store, asks
         kept = store.kept
         self.address = ""  # what students type, if no lecturer's page knows better
         self._salt = kept.salt or secrets.token_hex(16)
@@ -155,8 +121,8 @@ class Room:
         self.browsers: set[Browser] = set()
         self.leader: Browser | None = None
         self._stayed: set[str] = set()  # keys of all who were here for a while, since the server began
-        self._new_codes: dict[str, Allowance] = {}  # by network address
-        self._absent_since: float | None = clock()
+        self._new_codes: dict[str, TokenBucket] = {}  # by network address
+        self._absent_since: float | None = time.monotonic()
         self._requested: tuple[int, Browser, Person] | None = None
         self._requests = 0
         self._screen: str | None = None  # the lecturer's, while all follow it
@@ -175,7 +141,7 @@ class Room:
             self.leader = next((one for one in self.browsers if one.is_lecturer), None)
             self._tell_leader()
         if not any(one.is_lecturer for one in self.browsers) and self._absent_since is None:
-            self._absent_since = self._clock()
+            self._absent_since = time.monotonic()
 
     def _leave_class(self, browser: Browser) -> None:
         person = browser.person
@@ -196,7 +162,7 @@ class Room:
         person = self.persons.get(key)
         if person is None:
             place = self._places.setdefault(key, len(self._places) + 1)
-            person = Person(hello.token, key, place, self._numbers.get(key) or self._new_number(), self._clock())
+            person = Person(hello.token, key, place, self._numbers.get(key) or self._new_number(), time.monotonic())
         person.name = name_of(hello.name)
         self._link(person, hello.linked)
         browser.person, browser.place = person, self._hash(browser.address)[:16]
@@ -253,11 +219,11 @@ class Room:
     def _may_try(self, browser: Browser) -> bool:
         """Whether a browser may type a code now: others at its address do not keep it from that."""
         assert browser.person is not None
-        allowed = browser.person.codes.take(self._clock())
+        allowed = browser.person.codes.take()
         if not allowed or browser.person.key in self._stayed:
             return allowed
-        new = self._new_codes.setdefault(browser.place, Allowance(NEW_CODES_PER_S, NEW_CODES_AT_ONCE))
-        return new.take(self._clock())
+        new = self._new_codes.setdefault(browser.place, TokenBucket(NEW_CODES_PER_S, NEW_CODES_AT_ONCE))
+        return new.take()
 
     def _become_lecturer(self, browser: Browser, session: str) -> None:
         self._sessions.pop(session, None)
@@ -340,7 +306,7 @@ class Room:
         return {one.voter(asked.lesson, asked.step, asked.label): next(iter(one.tabs)).place for one in stayed}
 
     def _note_who_stays(self) -> None:
-        now = self._clock()
+        now = time.monotonic()
         stayed = {one.key for one in self.persons.values() if now - one.since >= STAY_S} - self._stayed
         if stayed:
             self._stayed |= stayed
@@ -484,14 +450,8 @@ class Room:
     # Messages
 
     async def receive(self, browser: Browser, message: p.Message) -> None:
-        """Do what a browser's message says.
-
-        Raises
-        ------
-        Rejected
-            If this browser may not say that.
-        """
-        if not browser.allowance.take(self._clock()):
+        """Do what a browser's message says. Raises Rejected if this browser may not say that."""
+        if not browser.allowance.take():
             raise p.Rejected("too many messages")
         if (browser.person is None) != isinstance(message, p.Hello):
             raise p.Rejected("a connection begins with one hello")
@@ -553,7 +513,7 @@ class Room:
 
     def tick(self) -> None:
         """Tell lecturers what has changed, and release students if no lecturer is left. Call it often."""
-        if self._absent_since is not None and self._clock() - self._absent_since > RELEASE_S:
+        if self._absent_since is not None and time.monotonic() - self._absent_since > RELEASE_S:
             self._absent_since = None
             if msgspec.structs.replace(self.orders, **RELEASED) != self.orders:
                 log.info("no lecturer is here: students are released")

@@ -67,24 +67,9 @@ class Row(NamedTuple):
 class Store:
     """Reads at once, writes in batches in a thread of its own.
 
-    Parameters
-    ----------
-    path
-        The file.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be opened, or is none of a class. Then it is not changed.
-
-    Attributes
-    ----------
-    kept
-        The lecturer's settings by key, as the file had them.
-    persons
-        The numbers of persons by key.
-    rounds
-        All rounds with their votes, in the order in which they were asked.
+    kept: the lecturer's settings by key, as the file had them; persons: numbers by key; rounds: all with their votes,
+    in the order in which they were asked. Raises OSError if the file cannot be opened, or is none of a class; then it
+    is not changed.
     """
 
     def __init__(self, path: Path):
@@ -156,7 +141,8 @@ class Store:
         with contextlib.closing(self._open()) as file:
             rows = file.execute("select * from answers").fetchall()
         return [
-            Row(*row[:6], Vote(_given(row[6]), *row[7:])) for row in msgspec.convert(rows, list[Columns], strict=False)
+            Row(*row[:6], Vote(msgspec.json.decode(row[6], type=Given), *row[7:]))
+            for row in msgspec.convert(rows, list[Columns], strict=False)
         ]
 
     # Writing
@@ -279,7 +265,3 @@ def _columns(file: sqlite3.Connection) -> dict[str, list[str]]:
     """The names of columns by table."""
     names = [name for (name,) in file.execute("select name from sqlite_master where type = 'table' order by name")]
     return {name: [row[0] for row in file.execute("select name from pragma_table_info(?)", (name,))] for name in names}
-
-
-def _given(text: str) -> Given:
-    return msgspec.json.decode(text, type=Given)

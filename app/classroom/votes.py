@@ -40,14 +40,10 @@ class Round:
         return f"round {self.times}" if self.phase == "own" else f"{self.phase}{again}"
 
     def left_out(self, here: Container[str], staying: Mapping[str, str]) -> set[str]:
-        """Return the voters that do not count. They have left at once, or more have left than were here at a time.
+        """Return the voters that do not count: they have left at once, or more have left than were here at a time.
 
-        Parameters
-        ----------
-        here
-            The voters who are here. All these count.
-        staying
-            The network address of each voter who has been here for a while and still is.
+        here: the voters who are here, all of whom count; staying: the network address of each who has been here for a
+        while and still is.
         """
         room = self.most - Counter(staying.values())
         left_out = set()

@@ -2,8 +2,6 @@
 
 from typing import Annotated
 
-from viewimit.wording import plural
-
 from ..model.choices import FLAGS, LARGE, NO_POINT, SWITCHED
 from ..model.page_model import PageModel
 from ..model.queue import number, one_of, text
@@ -20,8 +18,7 @@ def choose_point(
     """Choose a body point, or none."""
     count = len(model.session.world.body)
     if point is not None and not 0 <= point < count:
-        refusal = plural("there is no point {point}, only {n} point", "there is no point {point}; there are {n}", count)
-        raise ValueError(refusal.format(point=point, n=count))
+        raise ValueError(f"there is no point {point}; there {'is 1' if count == 1 else f'are {count}'}")
     model.show(chosen=point)
 
 

@@ -64,7 +64,7 @@ def undo(model: PageModel, *, now: float) -> None:
         parts = [left.preset.name, count_motions(left.motions)]
         if model.points.on:
             parts.append(count_points(len(model.session.world.body)))
-        model.say("Back is what was here before: {what}.".format(what=", ".join(parts)), now + MESSAGE_S)
+        model.say(f"Back is what was here before: {', '.join(parts)}.", now + MESSAGE_S)
 
 
 @command("reset", moves=True)
@@ -158,10 +158,8 @@ def show_word(model: PageModel, key: Word) -> None:
     """Begin with the settings in which an entry of the glossary is seen; at once where that takes motions."""
     entry = glossary()[key]
     speed = 0.0 if entry.plays else model.player.speed
-    lesson = "{symbol}, {name}: where it is bad." if entry.bad else "{symbol}, {name}."
-    lesson = escape(lesson.format(symbol=entry.symbol, name=entry.name))
-    title = f"Show me: {entry.symbol}"
-    model.undoable.begin_preset(Preset(title, entry.show, speed, lesson))
+    lesson = escape(f"{entry.symbol}, {entry.name}{': where it is bad' if entry.bad else ''}.")
+    model.undoable.begin_preset(Preset(f"Show me: {entry.symbol}", entry.show, speed, lesson))
     model.show(help=False)
     if entry.plays:
         play(model)
@@ -205,8 +203,8 @@ def restore_session(model: PageModel, kept: Text) -> None:
         try:
             page = read_link(kept, model.begun)
         except ValueError as error:
-            why = "what this tab has kept cannot be restored, so the session begins again: {why}"
-            raise ValueError(why.format(why=error)) from None
+            why = "what this tab has kept cannot be restored, so the session begins again"
+            raise ValueError(f"{why}: {error}") from None
         model.following.begin(page, Arrived, is_own=True)
 
 

@@ -10,8 +10,7 @@ from ..model.page_model import PageModel
 from ..model.pictures import FORMATS, PICTURES
 from ..model.queue import named, one_of
 from .registry import command
-
-MESSAGE_S = 6.0  # s that a message stays
+from .session import MESSAGE_S
 
 
 @command("experiment", latest=True)

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +13,11 @@ from viewimit.drawing.landscape import draw_small, small_plane
 from viewimit.drawing.plots import Axes, Style, decade_ticks, decades, log10
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.transfers import TRANSFERS
+from viewimit.loop.session import Session
 from viewimit.loop.snapshot import Snapshot
 from viewimit.servo import SERVOS, ServoStatus, verdicts
 from viewimit.simulation.scene import Scene
-from viewimit.wording import plural, sentences
+from viewimit.wording import sentences
 
 GAP = 10
 WIDTH = 2 * COLUMN + GAP
@@ -33,7 +33,6 @@ MAX_VERTICES = 240  # of a curve or path
 ONE_DIGIT_TO = 100  # numbers below have no decimals from here, so that they do not touch
 CLASSES = ("own", "opponent")
 NAMES = ("Learner", "Opponent")
-TITLES = ("Learner: {transfer}", "Opponent: {transfer}")
 ON_ITS_WAY = (ServoStatus.REHEARSING, ServoStatus.MOVING)
 SENTENCE = "Two learners, one start, one demonstrator: which method arrives first?"
 WHY = "Choose the opponent's transfer and servo above, then begin.\nBoth start at the same place and move step by step."
@@ -47,16 +46,6 @@ class Standing:
     snapshot: Snapshot
     errors_deg: Sequence[float]  # largest joint error after each motion
     arrived: int | None  # motions until it was first within ARRIVED_DEG; None if it has not been
-
-
-class Racer(Protocol):
-    """A learner with its motions."""
-
-    @property
-    def history(self) -> Sequence[Snapshot]: ...
-
-    @property
-    def cursor(self) -> int: ...  # index of the present moment
 
 
 def draw_ground(scene: Scene, found: Sequence[Landscape], theta_demo: NDArray[np.float64]) -> str:
@@ -83,7 +72,7 @@ def draw_empty() -> str:
     return _wrap(svg.text(WIDTH / 2, y - 22, SENTENCE, "vi-mid vi-b") + "".join(why))
 
 
-def draw_race(scene: Scene, racers: Sequence[Racer], standings: Sequence[Standing], playing: bool = True) -> str:
+def draw_race(scene: Scene, racers: Sequence[Session], standings: Sequence[Standing], playing: bool = True) -> str:
     """Draw what lies over the ground, as HTML: names, paths or errors, standings, and the verdict, large."""
     plane, parts = small_plane(scene, MAX_HEIGHT), []
     for k, standing in enumerate(standings):
@@ -131,32 +120,20 @@ def draw_errors_alone(standings: Sequence[Standing]) -> str:
 def verdict(standings: Sequence[Standing], playing: bool = True) -> tuple[str, str]:
     """Say who came within ARRIVED_DEG first, and how the other fared; no learner can know it."""
     own, other = (standing.arrived for standing in standings)
-    aim = f"{ARRIVED_DEG:g}"
+    aim = f"within {ARRIVED_DEG:g}°"
     if own is None and other is None:
-        if all(standing.snapshot.status.has_ended for standing in standings):
-            words = "Neither came within {angle}° of the demonstrator."
-        else:
-            words = "Neither is within {angle}° of the demonstrator yet."
-        return words.format(angle=aim), _whereabouts(standings, (0, 1), playing)
+        have_ended = all(standing.snapshot.status.has_ended for standing in standings)
+        words = f"came {aim} of the demonstrator" if have_ended else f"is {aim} of the demonstrator yet"
+        return f"Neither {words}.", _whereabouts(standings, (0, 1), playing)
     if own is not None and own == other:
-        tie = plural(
-            "A tie: both were within {angle}° of the demonstrator after {n} step.",
-            "A tie: both were within {angle}° of the demonstrator after {n} steps.",
-            own,
-        )
-        return tie.format(angle=aim, n=own), ""
+        return f"A tie: both were {aim} of the demonstrator after {svg.count_motions(own)}.", ""
     first = 0 if other is None or (own is not None and own < other) else 1
     soonest = min(count for count in (own, other) if count is not None)
-    won = plural(
-        "The {name} was first within {angle}°, after {n} step.",
-        "The {name} was first within {angle}°, after {n} steps.",
-        soonest,
-    ).format(name=NAMES[first].lower(), angle=aim, n=soonest)
+    won = f"The {NAMES[first].lower()} was first {aim}, after {svg.count_motions(soonest)}."
     late = standings[1 - first].arrived
     if late is None:
         return won, _whereabouts(standings, (1 - first,), playing)
-    text = plural("The {name} followed after {n} step.", "The {name} followed after {n} steps.", late)
-    return won, text.format(name=NAMES[1 - first].lower(), n=late)
+    return won, f"The {NAMES[1 - first].lower()} followed after {svg.count_motions(late)}."
 
 
 def _whereabouts(standings: Sequence[Standing], which: Sequence[int], playing: bool) -> str:
@@ -179,7 +156,7 @@ def _words(standing: Standing, k: int) -> str:
     )
     parts = [
         STYLES[k].sample(x, 8),
-        svg.text(x + 28, 12, TITLES[k].format(transfer=TRANSFERS[settings.transfer].title), f"vi-of-{CLASSES[k]}"),
+        svg.text(x + 28, 12, f"{NAMES[k]}: {TRANSFERS[settings.transfer].title}", f"vi-of-{CLASSES[k]}"),
         svg.text(x + 28, 26, SERVOS[settings.servo].title, "vi-2nd"),
     ]
     for left, (label, value, unit) in zip(COLUMNS, figures):
@@ -191,7 +168,7 @@ def _words(standing: Standing, k: int) -> str:
     return "".join(parts)
 
 
-def _path(plane: PosturePlane, racer: Racer, k: int) -> str:
+def _path(plane: PosturePlane, racer: Session, k: int) -> str:
     """Draw the motions up to the present, with the learner's mark at their end."""
     kept = svg.thinned_between(racer.cursor + 1, MAX_VERTICES, racer.cursor)
     points = plane.place(np.degrees(np.array([racer.history[i].theta for i in kept])))

@@ -14,7 +14,7 @@ from viewimit.estimation.transfers.registry import FLATNESS
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.servo.certificate import MAX_STD_PER_PX
 from viewimit.simulation.scene import Scene
-from viewimit.wording import plural, sentences
+from viewimit.wording import sentences
 
 WIDTH, NARROW, HEIGHT, INSET = 150, 74, 22, 8  # px of a posture bar, in one column and in two
 MIN_IN_COLUMNS = 4  # joints that stand in two columns, so that they fit beside the demonstrator's sliders
@@ -94,10 +94,7 @@ def describe_body_points(
 
 def _count(information: PointInformation) -> str:
     count, seen = information.count, information.visible
-    if seen == count:
-        return plural("{n} point", "{n} points", count).format(n=count)
-    text = plural("{n} point, {visible} in all pictures", "{n} points, {visible} in all pictures", count)
-    return text.format(n=count, visible=seen)
+    return svg.count_points(count) + ("" if seen == count else f", {seen} in all pictures")
 
 
 def _flatness(information: PointInformation) -> str:

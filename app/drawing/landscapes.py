@@ -12,7 +12,7 @@ from viewimit.drawing.landscape import SMALL_WIDTH, draw_bars, draw_small, small
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.simulation.scene import Scene
-from viewimit.wording import plural, sentences
+from viewimit.wording import sentences
 
 GAP, ROW = 10, 111  # px between columns, height of a row
 MAX_HEIGHT, TOP = 62, 15  # px of a plot, and above it
@@ -73,9 +73,8 @@ def describe_landscape(studied: TransferStudy) -> str:
     count = len(studied.minima)
     if count == 0:
         return "no minimum"
-    bias = svg.number(float(np.abs(studied.bias_deg).max()))
-    text = plural("bias {bias}° · {n} minimum · basin {share} %", "bias {bias}° · {n} minima · basin {share} %", count)
-    return text.format(bias=bias, n=count, share=svg.number(100 * studied.basin, 0))
+    bias, share = svg.number(float(np.abs(studied.bias_deg).max())), svg.number(100 * studied.basin, 0)
+    return f"bias {bias}° · {count} {'minimum' if count == 1 else 'minima'} · basin {share} %"
 
 
 def draw_basin(scene: Scene, found: Basin) -> str:
@@ -99,27 +98,16 @@ def describe_basin(found: Basin) -> str:
     count, made = found.count, len(found.endings)
     if made < len(found.starts):
         return f"{made} of {len(found.starts)} learners have come to rest …"
-    text = (
-        "{there_mark} <b>{there} of {all}</b> end at the demonstrator, {lowest_mark} {lowest} at the smallest E,"
-        " {elsewhere_mark} {elsewhere} elsewhere."
-    )
-    said = text.format(
-        there_mark=_icon("demonstrator"),
-        there=count("demonstrator"),
-        all=made,
-        lowest_mark=_icon("smallest E"),
-        lowest=count("smallest E"),
-        elsewhere_mark=_icon("elsewhere"),
-        elsewhere=count("elsewhere"),
+    said = (
+        f"{_icon('demonstrator')} <b>{count('demonstrator')} of {made}</b> end at the demonstrator,"
+        f" {_icon('smallest E')} {count('smallest E')} at the smallest E, {_icon('elsewhere')} {count('elsewhere')}"
+        " elsewhere."
     )
     claims, false = sum(count(place, True) for place in CLASSES), count("elsewhere", True)
-    if false:
-        text = "{n} claim to have converged (filled), <b>{false} of them falsely</b>."
-    elif claims:
-        text = "{n} claim to have converged (filled), none of them falsely."
-    else:
-        text = "None claims to have converged."
-    return sentences(said, text.format(n=claims, false=false))
+    if not claims:
+        return sentences(said, "None claims to have converged.")
+    how_many = f"<b>{false} of them falsely</b>" if false else "none of them falsely"
+    return sentences(said, f"{claims} claim to have converged (filled), {how_many}.")
 
 
 def _mark(where: Place, place: NDArray[np.float64], more: str = "") -> str:

@@ -19,15 +19,13 @@ from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.scene import Scene
 
 
-def link(what: str, name: str, inside: str, stop: bool = True, pressed: bool | None = None) -> str:
+def link(what: str, name: str, inside: str, stop: bool = True) -> str:
     """Build one link.
 
     what: the action, as control/value; name: what a screen reader says; inside: HTML or SVG of the link; stop: whether
-    the Tab key stops there; pressed: whether the choice is made, for a toggle.
+    the Tab key stops there.
     """
     more = f' aria-label="{svg.escape(name)}"' if stop else ' tabindex="-1" aria-hidden="true"'
-    if pressed is not None:
-        more += f' role="button" aria-pressed="{str(pressed).lower()}"'
     return f'<a href="#" data-do="{what}"{more}>{inside}</a>'
 
 
@@ -46,6 +44,7 @@ MIN_HIT = 1.5  # px, radius of the link of a crowded point
 FIRST_IMAGE = 2  # among the panels that can be enlarged: the images follow two others
 PROPOSED = 4.5  # px, radius
 NUMBER_DROP = 4  # px from a point's centre down to the foot of its number
+CURVES_WIDTH = 424  # px
 AIM, ARM = 8, 13  # px, cross hair: radius of its ring, length of its lines
 
 
@@ -184,12 +183,12 @@ def posture_field(scene: Scene) -> str:
     return plane.wrap(hint + field("posture", plane.box, *across, *up), "vi-over vi-links")
 
 
-def motion_field(end: int, width: int = 424) -> str:
+def motion_field(end: int) -> str:
     """Build a field over each plot of the curves. end: of their axis, motions."""
-    left, top, right, bottom = plot_box(width)
+    left, top, right, bottom = plot_box(CURVES_WIDTH)
     shown = field("moment", (left, top, right - left, bottom - top), 0, end)
-    hint = svg.text(width, 12, "click: go back to that step", "vi-2nd vi-end vi-hint")
-    return f'<div class="vi-panel vi-links">{arrange_plots(width, hint + shown, shown)}</div>'
+    hint = svg.text(CURVES_WIDTH, 12, "click: go back to that step", "vi-2nd vi-end vi-hint")
+    return f'<div class="vi-panel vi-links">{arrange_plots(CURVES_WIDTH, hint + shown, shown)}</div>'
 
 
 def draw_see_through(scene: Scene, moment: Snapshot) -> str:
@@ -210,8 +209,7 @@ def describe_see_through(scene: Scene, moment: Snapshot) -> str:
     posture = ", ".join(svg.degrees(angle) for angle in moment.theta) if len(moment.theta) < 4 else "this pose"
     if not np.isfinite(moment.E):
         return f"At ({posture}) too few points are visible for an E. The arm has not moved."
-    text = "At ({pose}) E would be {E} px². The arm has not moved."
-    return text.format(pose=posture, E=svg.short(moment.E))
+    return f"At ({posture}) E would be {svg.short(moment.E)} px². The arm has not moved."
 
 
 # The glossary on the page: every "?", the cards with links to examples, and the numbers' values on their scales.
@@ -250,16 +248,13 @@ def current_values(values: Mapping[str, float]) -> str:
         scale = glossary()[key].scale
         if scale is not None and math.isfinite(value):
             number = str(value) if isinstance(value, int) else svg.short(value)  # a count has no decimals
-            words = "now {value}".format(value=f"{number}{scale.unit}")
-            rules.append(f'#vi-word-{key}{{--now:{100 * scale.share(value):.1f}%;--words:"{words}"}}')
+            words = f'"now {number}{scale.unit}"'
+            rules.append(f"#vi-word-{key}{{--now:{100 * scale.share(value):.1f}%;--words:{words}}}")
     return f"<style>{''.join(rules)}</style>"
 
 
 def _show(key: str) -> str:
     """Build the link to an entry's example."""
     entry = glossary()[key]
-    if entry.bad:
-        name, words = "Show me a bad one: {symbol}", "Show me a bad one"
-    else:
-        name, words = "Show me: {symbol}", "Show me"
-    return f'<span class="vi-show">{link(f"show/{key}", name.format(symbol=entry.symbol), words)}</span>'
+    words = "Show me a bad one" if entry.bad else "Show me"
+    return f'<span class="vi-show">{link(f"show/{key}", f"{words}: {entry.symbol}", words)}</span>'

@@ -1,90 +1,55 @@
-"""What runs in the process of the camera images: looks and motions of each session that has pictures, by its key.
+"""What runs in the process of the camera images: looks at a scene, one after the other. Nothing of viser is loaded.
 
-Sessions in the same scene share its eyes, of which only the postures last looked at are a session's own.
-
-It receives (key, what, *arguments) and answers all but "close", in the order received: ("answer", value, pictures),
-("refused", why) for what cannot be, ("failed", why) for a fault. Nothing of viser is loaded here.
+It receives (scene, postures of both arms by pair of views, pair, posture of the arm that is looked at) and answers
+("answer", image points, the two pictures as JPEG, postures afterwards), ("refused", why) for what cannot be, or
+("failed", why) for a fault. It ends when the server is gone, or when nobody has looked for a while.
 """
 
 import io
 import traceback
 from collections.abc import Callable
 from multiprocessing.connection import Connection
+from typing import Any
 
 from .child import stand_back
 
 NICENESS = 1  # drawing the pages goes first, experiments last
 QUALITY = 80  # of a JPEG: about 7 kB each
-MOST_SCENES = 4
-LOOKS = {"demo_images": "lr", "own_images": "LR"}
+MOST_SCENES = 4  # whose eyes are kept
+UNUSED_S = 120.0  # after which it ends; to begin takes 2 s
 
 
 def work(connection: Connection) -> None:
-    """Serve until the other end is closed."""
     stand_back(NICENESS)  # received messages load numpy
+    from viewimit.simulation.rendering import RenderedEyes
+
+    serve(connection, RenderedEyes, UNUSED_S)
+
+
+def serve(connection: Connection, make_eyes: Callable[[Any], Any], unused_s: float) -> None:
+    """Answer until none has asked for `unused_s`. make_eyes(scene) → eyes as `RenderedEyes`."""
+    made: list[tuple] = []  # scenes and their eyes
     try:
-        _serve(connection)
+        while connection.poll(unused_s):
+            connection.send(_answer(made, make_eyes, *connection.recv()))
     except (EOFError, ConnectionError):
         pass  # the server is gone
 
 
-def _serve(connection: Connection) -> None:
-    from viewimit.simulation.rendering import RenderedEyes
-
-    answer = answering(RenderedEyes)
-    while True:
-        reply = answer(*connection.recv())
-        if reply is not None:
-            connection.send(reply)
-
-
-def answering(make_eyes: Callable) -> Callable:
-    """answer(key, what, *arguments) → the reply, None for nothing. make_eyes(scene) → eyes as `RenderedEyes`."""
-    scenes = Scenes(make_eyes)
-    sessions: dict[int, tuple] = {}  # scene, and postures last looked at
-
-    def carry_out(key: int, what: str, *arguments) -> tuple:
-        if what == "open":
-            eyes = scenes.eyes(*arguments)
-            sessions[key] = *arguments, dict(eyes.rest)
-            return "answer", eyes.noise_px, ()
-        scene, theta = sessions[key]
-        eyes = scenes.eyes(scene)
+def _answer(made: list[tuple], make_eyes: Callable, scene, theta: dict, pair: str, posture) -> tuple:
+    try:
+        eyes = next((eyes for known, eyes in made if known == scene), None)
+        if eyes is None:
+            eyes = make_eyes(scene)
+            made[:] = [*made[1 - MOST_SCENES :], (scene, eyes)]
         eyes.theta = theta
-        value = getattr(eyes, what)(*arguments)
-        return "answer", value, tuple(_jpeg(eyes.pictures[view]) for view in LOOKS.get(what, ""))
-
-    def answer(key: int, what: str, *arguments) -> tuple | None:
-        if what == "close":
-            sessions.pop(key, None)
-            return None
-        try:
-            return carry_out(key, what, *arguments)
-        except ValueError as error:
-            return "refused", str(error)
-        except Exception as error:  # any fault is sent to the session that asked
-            traceback.print_exc()
-            return "failed", f"{type(error).__name__}: {error}"
-
-    return answer
-
-
-class Scenes:
-    """Eyes of the scenes that were looked at last; those of others are made again when they are needed again."""
-
-    def __init__(self, make_eyes: Callable):
-        self._make_eyes = make_eyes
-        self._made: list[tuple] = []  # scenes and their eyes, the latest last
-
-    def eyes(self, scene):
-        found = next((made for made in self._made if made[0] == scene), None)
-        if found is None:
-            del self._made[: max(len(self._made) + 1 - MOST_SCENES, 0)]
-            found = scene, self._make_eyes(scene)
-        else:
-            self._made.remove(found)
-        self._made.append(found)
-        return found[1]
+        images = (eyes.demo_images if pair == "lr" else eyes.own_images)(posture)
+        return "answer", images, tuple(_jpeg(eyes.pictures[view]) for view in pair), eyes.theta
+    except ValueError as error:
+        return "refused", str(error)
+    except Exception as error:  # any fault is sent to the session that asked
+        traceback.print_exc()
+        return "failed", f"{type(error).__name__}: {error}"
 
 
 def _jpeg(picture) -> bytes:

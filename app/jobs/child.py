@@ -85,13 +85,13 @@ class Progress:
     """What a computation tells while it runs, no more often than a page can show it: its share, and a figure of the
     newest result that is not drawn yet. Finished work is drawn at the end in any case."""
 
-    def __init__(self, tell: Callable[..., None], draw: Callable[[Any], str], clock=time.monotonic):
-        self._tell, self._draw, self._clock = tell, draw, clock
+    def __init__(self, tell: Callable[..., None], draw: Callable[[Any], str]):
+        self._tell, self._draw = tell, draw
         self._told_at, self._undrawn = -TELLS_EVERY, None
 
     def tell(self, share: float, partial) -> None:
         self._undrawn = self._undrawn if partial is None else partial
-        now = self._clock()
+        now = time.monotonic()
         if now - self._told_at < TELLS_EVERY:
             return
         self._told_at, news = now, dict[str, Any](share=float(share))

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene, require_scene
+from viewimit.drawing.export.engine_scene import can_compute, describe_hulls, engine_scene
 from viewimit.drawing.export.lab_methods import lab_methods
 from viewimit.drawing.export.recording import lacks
 from viewimit.drawing.export.replay import lab_html
@@ -30,19 +30,9 @@ MAX_FACES = 12_000  # of each link's mesh; the shipped robots have fewer
 def lab_page(scene: Scene | None = None, name: str = SHIPPED, ways: Ways = NO_WAYS) -> str:
     """Return the lab as one HTML page.
 
-    Parameters
-    ----------
-    scene
-        The scene of the lab, the shipped one by default. Presets of other scenes are then left out.
-    name
-        As settings name that scene.
-    ways
-        Where the header's verbs lead.
-
-    Raises
-    ------
-    ValueError
-        For a scene of other than two moving joints, or with lenses that distort.
+    scene: of the lab, by default the shipped one; presets of other scenes are then left out; name: as settings name
+    that scene; ways: where the header's verbs lead. Raises ValueError for a scene of other than two moving joints, or
+    with lenses that distort.
     """
     given = scene or load_scene(SHIPPED)
     shapes, scenes, chosen = Shapes(), {}, []
@@ -97,21 +87,21 @@ def with_few_points(scene: Scene) -> Scene:
 def _stage(scene: Scene, shapes: Shapes) -> dict[str, Any]:
     world = World(scene, min(map(int, scene.points)))
     demo = np.radians(scene.posture_deg)[scene.moving]
-    stage = describe_stage(world, shapes, [np.radians(scene.start_deg), demo])
-    return stage
+    return describe_stage(world, shapes, [np.radians(scene.start_deg), demo])
+
+
+def _served(name: str, robot: str | None) -> Scene | None:
+    """The scene of a server's lab; None for the shipped one, also in place of one that the lab cannot compute."""
+    if (name, robot) == (SHIPPED, None):
+        return None
+    scene = load_scene(name, robot)
+    return scene if can_compute(scene) else None
 
 
 @cache
 def served_scenes(name: str = SHIPPED, robot: str | None = None) -> dict[str, dict[str, Any]]:
     """Return the scene of each preset in the lab that `served_page` returns, as the engine has it."""
-    if (name, robot) == (SHIPPED, None):
-        scene = None
-    else:
-        try:
-            scene = load_scene(name, robot)
-            require_scene(scene)
-        except ValueError:
-            scene = None
+    scene = _served(name, robot)
     given = scene or load_scene(SHIPPED)
     return {preset.key: engine_scene(with_few_points(_scene_of(preset, given))) for preset in _offered(scene)}
 
@@ -119,12 +109,8 @@ def served_scenes(name: str = SHIPPED, robot: str | None = None) -> dict[str, di
 @cache
 def served_page(name: str, robot: str | None, ways: Ways = NO_WAYS) -> str:
     """Return the lab of a server that was started with this scene; of the shipped one, if the lab cannot compute it."""
-    if (name, robot) == (SHIPPED, None):
-        return lab_page(ways=ways)
-    try:
-        return lab_page(load_scene(name, robot), name, ways)
-    except ValueError:
-        return lab_page(ways=ways)
+    scene = _served(name, robot)
+    return lab_page(ways=ways) if scene is None else lab_page(scene, name, ways)
 
 
 # The address at which the lab opens in a session's state, as app/lab/view/address.js reads it.

@@ -5,10 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from viewimit.drawing import svg
-from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.settings import FIELDS, Setting, Settings, disturbances, given
 from viewimit.loop.simulated_robot import complete
-from viewimit.servo import SERVOS
 from viewimit.simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
 from viewimit.simulation.scene import Scene, load_robot, load_scene
 
@@ -25,15 +23,6 @@ SPEEDS = {
     "all it can": 0.0,
 }  # motions a second; 0 is as fast as it computes
 NO_POINT = "none"
-
-
-def transfer_names() -> dict[str, str]:
-    """Titles by name, of those that there are now."""
-    return {name: method.title for name, method in TRANSFERS.items()}
-
-
-def servo_names() -> dict[str, str]:
-    return {name: servo.title for name, servo in SERVOS.items()}
 
 
 def modified(preset: str) -> str:
@@ -73,8 +62,7 @@ class Count(Amount):
     def asked(self, value: float) -> int:
         found = round(value)
         if not self.low <= found <= self.high:
-            refusal = "{name} must be between {low} and {high}, got {value}"
-            raise ValueError(refusal.format(name=self.label, low=self.low, high=self.high, value=found))
+            raise ValueError(f"{self.label} must be between {self.low} and {self.high}, got {found}")
         return found
 
 
@@ -187,7 +175,7 @@ class Presets:
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
 CLIENT_REPORTED = ("prefers_dark", "flat", "truth", "unseen")  # fields that the browser reports
 WINDOW = "window"  # instead of all tabs' names
-SWITCHES = ("goal", "rays", "residuals", "gizmo", "whole_frames", "rectified", "shadows")  # kept by their names
+SWITCHES = "goal", "rays", "residuals", "gizmo", "whole_frames", "rectified", "shadows", "details"  # kept by name
 SWITCHED = {name: name for name in (*SWITCHES, "flat", "dark", "look_only")}  # that the visitor sets
 
 
@@ -203,6 +191,7 @@ class View:
     whole_frames: bool = False
     rectified: bool = False
     shadows: bool = False
+    details: bool = False  # all numbers, what noise costs, the enlarged landscape, and poses to preview
     flat: bool = False  # a still picture instead of the 3-D view, as a browser without WebGL or speed asks for it
     dark: bool | None = None  # None: as the browser prefers
     prefers_dark: bool = False  # the browser's preference

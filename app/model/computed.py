@@ -226,11 +226,6 @@ def _draw_compared(asked: tuple, world: World, snapshot: Snapshot, transfer: str
 # What a page asks of its experiments, and what it knows of them.
 
 
-def titles() -> dict[str, str]:
-    """By name, of those that there are now."""
-    return {name: experiment.title for name, experiment in EXPERIMENTS.items()}
-
-
 class Experiments:
     """chosen: an experiment's name; latest: the run asked for last; runs: by experiment, its latest.
 

@@ -119,8 +119,7 @@ class Imitated:
             raise ValueError("an imitation has no camera pictures: switch them off to see it")
         differs = [name for name in WORLD if getattr(settings, name) != getattr(imitation.settings, name)]
         if differs:
-            refusal = "{name} was made with other {settings}: run it again, or go back"
-            raise ValueError(refusal.format(name=imitation.name, settings=", ".join(differs)))
+            raise ValueError(f"{imitation.name} was made with other {', '.join(differs)}: run it again, or go back")
         self._shown, self._from, self._began, self._seen = imitation, self._session.snapshot, now, None
 
     def stop(self) -> None:
@@ -147,8 +146,8 @@ class Imitated:
         if self._shown is None or self._seen is None:
             return ""
         step_s, last = self._shown.step_s, len(self._shown.theta) - 1
-        text = "{name}, imitated by a frozen transfer: {now:.1f} of {end:.1f} s."
-        return text.format(name=self._shown.name, now=self._seen[0] * step_s, end=last * step_s)
+        now, end = self._seen[0] * step_s, last * step_s
+        return f"{self._shown.name}, imitated by a frozen transfer: {now:.1f} of {end:.1f} s."
 
     def _frame(self, now: float) -> int:
         assert self._shown is not None

@@ -18,7 +18,7 @@ from viewimit.loop.snapshot import Snapshot
 from viewimit.servo import SERVOS
 from viewimit.wording import either
 
-from ..jobs.camera_images import CameraProcess, SessionEyes
+from ..jobs.camera_images import CameraProcess, eyes_beside
 from .choices import Preset, Presets
 from .player import DENSE, Duel, Player
 
@@ -31,11 +31,10 @@ class UndoableSession:
     settings: of its first session; in_new_world(): called after the world was replaced or the session restarted."""
 
     def __init__(self, settings: Settings, camera: CameraProcess, in_new_world: Callable[[], None]):
-        self._eyes, self._opponents_eyes = SessionEyes(camera), SessionEyes(camera)
-        self._in_new_world = in_new_world
-        self.session = Session(settings, open_eyes=self._eyes, dense=DENSE)
+        self._in_new_world, opener = in_new_world, eyes_beside(camera)
+        self.session = Session(settings, open_eyes=opener, dense=DENSE)
         self.player = Player(self.session)
-        self.duel = Duel(self.session, self.player, self._opponents_eyes)
+        self.duel = Duel(self.session, self.player, opener)
         self.presets = Presets(settings)
         self.past = UndoStack(self.player, self.presets)
 
@@ -77,7 +76,9 @@ class UndoableSession:
 
         Raises ValueError, and changes nothing, if its servo does not use a rehearsal.
         """
-        require_use(self.session.settings.servo)
+        servo = SERVOS[self.session.settings.servo]
+        if not servo.predicts:
+            raise ValueError(f"{servo.title} makes no use of a rehearsal; choose {_able()}")
         with self.past.recording_undo():
             postures = self.session.calibration_postures(DEFAULT_POSTURES, self.session.settings.seed)
             self.session.begin_calibration(postures)
@@ -131,11 +132,6 @@ class UndoableSession:
         """Restart the duel and tell the page of the new world."""
         self.duel.begin()
         self._in_new_world()
-
-    def close(self) -> None:
-        """Give the eyes back."""
-        self._eyes.close()
-        self._opponents_eyes.close()
 
 
 # The undo stack: branches of motions that others replaced, and sessions before a restart.
@@ -276,13 +272,6 @@ def rehearsal_of(session: Session) -> Rehearsal:
     to_go = 0 if now.pending_postures is None else len(now.pending_postures)
     made, rests = session.history.imitation_motions, now.status.is_at_rest
     return Rehearsal(seen, to_go, now.settings.servo, now.calibration_holds, made, rests)
-
-
-def require_use(servo: str) -> None:
-    """Raises ValueError for a servo, by its name, that makes no use of a rehearsal."""
-    if not SERVOS[servo].predicts:
-        refusal = "{servo} makes no use of a rehearsal; choose {others}"
-        raise ValueError(refusal.format(servo=SERVOS[servo].title, others=_able()))
 
 
 def _able() -> str:

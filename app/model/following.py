@@ -7,7 +7,7 @@ from functools import partial
 
 from viewimit.loop.session import Session
 
-from ..jobs.camera_images import SessionEyes
+from ..jobs.camera_images import CameraProcess, eyes_beside
 from .link import Linked
 from .player import DENSE
 from .queue import CommandQueue, Queued
@@ -21,12 +21,12 @@ MAX_S = 30.0  # that scripts may take
 class Played:
     """What a link holds, and its sessions as far as they are played.
 
-    is_own: it is what the page's own tab has kept; eyes: all sessions look with; error: why they are not played.
+    is_own: it is what the page's own tab has kept; camera: renders the pictures; error: why they are not played.
     """
 
     page: Linked
     is_own: bool
-    eyes: SessionEyes
+    camera: CameraProcess
     sessions: list[Session] = field(default_factory=list)
     error: Exception | None = None
     spent_s: float = 0.0
@@ -34,7 +34,7 @@ class Played:
     def passes(self) -> Iterator[None]:
         """Play it, and yield after each pass of the loop."""
         for script in self.page.scripts:
-            session = Session(script.settings, open_eyes=self.eyes, dense=DENSE)
+            session = Session(script.settings, open_eyes=eyes_beside(self.camera), dense=DENSE)
             yield from session.passes(script)
             session.scrub(min(self.page.at, len(session.history) - 1))
             self.sessions.append(session)
@@ -65,7 +65,7 @@ class Following:
     def begin(self, page: Linked, arrival: Callable[[Played], Queued], is_own: bool = False) -> None:
         """Play a saved page instead of the one that is played now. arrival: the entry that then takes it."""
         self.let_go()
-        played = self._played = Played(page, is_own, SessionEyes(self._services.camera))
+        played = self._played = Played(page, is_own, self._services.camera)
         self.goes_on, self.restores = True, is_own
         worker = self._services.picture_scripts if page.uses_pictures else self._services.scripts
         turn = partial(played.turn, played.passes())
@@ -84,8 +84,6 @@ class Following:
         """Follow it no more. Return whether there was one."""
         played, self._played = self._played, None
         self.goes_on = self.restores = False
-        if played is not None:
-            played.eyes.close()
         return played is not None
 
     def finish(self, played: Played) -> bool:

@@ -21,7 +21,6 @@ from viewimit.analysis.trajectory import (
 )
 from viewimit.loop.session import Session
 from viewimit.simulation.scene import Scene
-from viewimit.wording import plural
 
 from .queue import RunInBackground
 
@@ -97,16 +96,14 @@ class Motions:
         if self.recorder is not None:
             if self.recorder.seconds == 0:
                 return "recording", "move the demonstrator by its sliders or its hand."
-            text = "{time:.1f} s of the demonstrator's motion."
-            return "recording", text.format(time=self.recorder.seconds)
+            return "recording", f"{self.recorder.seconds:.1f} s of the demonstrator's motion."
         if (played := self._played) is not None:
             now, last = self.moment
-            text = "{name}, {now:.1f} of {end:.1f} s."
-            return "replaying", text.format(name=self._title(played.motion), now=now, end=last)
+            return "replaying", f"{self._title(played.motion)}, {now:.1f} of {last:.1f} s."
         if self.name == RECORDED and self.recorded is not None:
             frames = len(self.recorded.theta_deg)
-            text = plural("{name}: {time:.1f} s, {n} frame", "{name}: {time:.1f} s, {n} frames", frames)
-            return "ready", text.format(name=self._title(self.recorded), time=self.recorded.seconds, n=frames)
+            words = f"{frames} frame{'' if frames == 1 else 's'}"
+            return "ready", f"{self._title(self.recorded)}: {self.recorded.seconds:.1f} s, {words}"
         return "ready", "about the present pose"
 
     def _title(self, motion: Motion) -> str:
@@ -168,8 +165,7 @@ class Motions:
         self._require_no_recording()
         last = self.moment[1]
         if not 0 <= seconds <= last:
-            refusal = "the motion has no moment at {time:g} s; it lasts {end:g} s"
-            raise ValueError(refusal.format(time=seconds, end=last))
+            raise ValueError(f"the motion has no moment at {seconds:g} s; it lasts {last:g} s")
         if self.shown is not None:
             self.shown.pause()
 
@@ -186,8 +182,7 @@ class Motions:
         """data: what a file holds, or its size if that is too large."""
         self._require_no_recording()
         if not isinstance(data, bytes):
-            refusal = "a motion's file has at most {most} MB, this one {size:.1f} MB"
-            raise ValueError(refusal.format(most=MOST_BYTES >> 20, size=data / 2**20))
+            raise ValueError(f"a motion's file has at most {MOST_BYTES >> 20} MB, this one {data / 2**20:.1f} MB")
         self._keep(decode_motion(data, self._session.scene))
 
     def _take(self, made: tuple | Exception) -> None:

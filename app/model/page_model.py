@@ -140,10 +140,6 @@ class PageModel:
             raise ValueError(f"it could not be saved: {made}")
         self.send(made.name, made.data)
 
-    def close(self) -> None:
-        """What it looks with is given back."""
-        self.undoable.close()
-
     def _show_new_world(self) -> None:
         """The world is another."""
         if self.view.chosen is not None:

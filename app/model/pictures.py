@@ -68,7 +68,8 @@ def save_picture(model: PageModel, now: float) -> None:
         picture = Picture(partial(draw_space, session.world, shown, model.eye(), model.view.rays))
     else:
         picture = FIGURES[what](model)
-    require_form(form)
+    if form == "PNG" and not can_render():
+        encode("", ".png")  # which says what is missing
     citation = picture.citation or cite(session, model.snapshot.motion)
     model.send_made("picture", partial(_saved, name, form, picture.draw, citation))
 
@@ -81,16 +82,8 @@ def lacking() -> str:
     if typeset:
         return NO_PNG
     if render:
-        text = "Equations need {typesetter}: {install}; other pictures do not"
-    else:
-        text = "PNG needs {renderer}, Equations need {typesetter}: {install}; other pictures, as SVG, need neither"
-    return text.format(renderer=RENDERER, typesetter=TYPESETTER, install=INSTALL)
-
-
-def require_form(form: str) -> None:
-    """Raises ValueError for a PNG that cannot be made here."""
-    if form == "PNG" and not can_render():
-        encode("", ".png")
+        return f"Equations need {TYPESETTER}: {INSTALL}; other pictures do not"
+    return f"PNG needs {RENDERER}, Equations need {TYPESETTER}: {INSTALL}; other pictures, as SVG, need neither"
 
 
 def _saved(name: str, form: str, draw: Callable[[], Figure], citation: Citation) -> Saved:

@@ -11,9 +11,9 @@ from viewimit.analysis.convergence import ErrorTrace
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
+from viewimit.simulation.eyes import open_eyes
 
 from ..drawing.duel import ARRIVED_DEG, Standing
-from ..jobs.camera_images import CameraProcess, SessionEyes
 
 MOTION_SHARE, LONGEST_MOTION = 0.85, 1.2  # of the period; s: how long the arm is seen to move
 SINGLE_STEP = 0.45  # s a motion takes that was asked for singly
@@ -186,12 +186,11 @@ class Player:
 
 class Duel:
     """The opponent has the visitor's settings except for its own transfer and servo. opponent: None without
-    a duel; transfer, servo: what it has or would have, at first the paper's. eyes: opens the opponent's.
+    a duel; transfer, servo: what it has or would have, at first the paper's. opener: of the opponent's eyes.
     """
 
-    def __init__(self, session: Session, player: Player, eyes: SessionEyes | None = None):
-        self._session, self._player = session, player
-        self._eyes = eyes or SessionEyes(CameraProcess())
+    def __init__(self, session: Session, player: Player, opener: Callable = open_eyes):
+        self._session, self._player, self._opener = session, player, opener
         self.opponent: Session | None = None
         self.transfer, self.servo = "epipolar", "gradient"
         self._traces = ErrorTrace(), ErrorTrace()
@@ -201,19 +200,18 @@ class Duel:
         if self.opponent is None:
             if self._settings == self._session.settings:  # a race against itself
                 self.transfer, self.servo = Settings().transfer, Settings().servo
-            self.opponent = Session(self._settings, open_eyes=self._eyes, dense=DENSE)
+            self.opponent = Session(self._settings, open_eyes=self._opener, dense=DENSE)
             self._player.runners.append(Runner(self.opponent))
             self.begin_again()
             self._player.playing = True
         else:
             self.opponent = None
-            self._eyes.close()
             del self._player.runners[1:]
 
     def resume(self, other: Session) -> None:
         """Begin where another session is, which is the opponent's."""
         self.transfer, self.servo = other.settings.transfer, other.settings.servo
-        self.opponent = Session(other.settings, open_eyes=self._eyes, dense=DENSE)
+        self.opponent = Session(other.settings, open_eyes=self._opener, dense=DENSE)
         self.opponent.resume(tuple(other.history), other.cursor, other.log)
         self._player.runners.append(Runner(self.opponent))
 

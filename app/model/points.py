@@ -18,7 +18,6 @@ from viewimit.geometry.affine import MIN_POINTS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import BodyPoint, Settings
 from viewimit.loop.snapshot import Snapshot
-from viewimit.simulation.robot import BodyPoints
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.scene_writing import saved_scene
 from viewimit.simulation.world import World
@@ -65,7 +64,7 @@ class PointEditing:
 
     def toggle(self) -> None:
         """Begin or end. Raises ValueError where pictures show markers."""
-        self._forget_proposal()
+        self._asked = self._made = None
         if self.on:
             self._on = False
             return
@@ -97,8 +96,7 @@ class PointEditing:
         if point is None:
             raise ValueError("no point is chosen: click one, or press N")
         if len(points) <= MIN_POINTS:
-            refusal = "no transfer can do with fewer than {n} points: place another one first"
-            raise ValueError(refusal.format(n=MIN_POINTS))
+            raise ValueError(f"no transfer can do with fewer than {MIN_POINTS} points: place another one first")
         self._lay((*points[:point], *points[point + 1 :]))
 
     def propose_or_take(self) -> bool:
@@ -164,14 +162,12 @@ class PointEditing:
         return self._session.world is world and self._session.snapshot.theta_demo is theta_demo
 
     def _points(self) -> tuple[BodyPoint, ...]:
-        return _rows(self._session.world.body)
+        body = self._session.world.body
+        return tuple((int(link), x, y, z) for link, (x, y, z) in zip(body.link, body.local.tolist()))
 
     def _require_on(self) -> None:
         if not self.on:
             raise ValueError("the points are not being edited: press E, or Edit points")
-
-    def _forget_proposal(self) -> None:
-        self._asked = self._made = None
 
 
 def _search(world: World, moment: Snapshot) -> tuple[World, Snapshot, Proposal] | ValueError:
@@ -179,10 +175,6 @@ def _search(world: World, moment: Snapshot) -> tuple[World, Snapshot, Proposal] 
         return world, moment, best_next(world, moment, find_candidates(world, moment.theta_demo))
     except ValueError as reason:
         return reason
-
-
-def _rows(body: BodyPoints) -> tuple[BodyPoint, ...]:
-    return tuple((int(link), x, y, z) for link, (x, y, z) in zip(body.link, body.local.tolist()))
 
 
 # Layouts of body points to choose from: the scene's own, and the one that was made by hand.

@@ -4,7 +4,7 @@ import math
 import threading
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 from ..jobs.threads import Worker
 
@@ -200,11 +200,6 @@ class Beside:
 # What a browser sent for a parameter: anything may come
 
 
-class Titled(Protocol):
-    @property
-    def title(self) -> str: ...
-
-
 def number(value) -> float:
     """A finite number. Raises ValueError."""
     try:
@@ -223,7 +218,7 @@ def choice(value, options: Mapping, refusal: str):
     return options[value]
 
 
-def named(value, entries: Mapping[str, Titled], refusal: str) -> str:
+def named(value, entries: Mapping[str, Any], refusal: str) -> str:
     """The name of an entry of a registry, by its title. Raises ValueError, as `choice` does."""
     return choice(value, {entry.title: name for name, entry in entries.items()}, refusal)
 

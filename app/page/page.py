@@ -46,17 +46,13 @@ class Page:
         self._sent_at: dict[str, float] = {}  # files by name
         self.model = PageModel(client.client_id, settings, services, self.queue, self._send)
         self._commands = CommandLoop(self.model, self.queue, self._announce_pictures, services.clock)
-        try:
-            self._build(services, info)
-        except BaseException:
-            self.close(0.0)  # what it has taken of the camera images
-            raise
+        self._build(services, info)
         self.model.eye = self._scene.eye
 
     @property
     def busy(self) -> bool:
         """Whether a turn goes on beside the scheduler."""
-        return self._commands.busy
+        return self._commands.turns.busy
 
     def held(self) -> AbstractContextManager:
         """Nothing of it is sent inside, but as a whole afterwards."""
@@ -68,7 +64,7 @@ class Page:
         self._commands.tick(now, budget)
         if self._commands.drawable:
             self._pose()
-        if not self._commands.busy:
+        if not self.busy:
             self._keeper.tick(now, self._actions.last)
 
     def draw(self) -> None:
@@ -90,17 +86,8 @@ class Page:
         show_fault(self.layout, text)
 
     def close(self, within: float = LEAVES_WITHIN) -> bool:
-        """Close the page. Return whether its last turn has ended within that time, s."""
-        ended = self._commands.wait(within)
-        if ended:
-            self.model.close()
-        else:
-            threading.Thread(target=self._close_later, name="viewimit-leaving", daemon=True).start()
-        return ended
-
-    def _close_later(self) -> None:
-        self._commands.wait()
-        self.model.close()
+        """Return whether its last turn has ended within that time, s."""
+        return self._commands.turns.wait(within)
 
     def _build(self, services: Services, info: ClientInfo | None) -> None:
         with self._client.atomic():
@@ -176,26 +163,17 @@ class CommandLoop:
         clock: Callable[[], float] = time.monotonic,
     ):
         self._model, self._queue, self._clock = model, queue, clock
-        self._announce_pictures, self._background = announce_pictures, Background()
+        self._announce_pictures, self.turns = announce_pictures, Background()
         self._asked_at = 0.0
-
-    @property
-    def busy(self) -> bool:
-        """Whether a turn goes on beside the scheduler."""
-        return self._background.busy
 
     @property
     def drawable(self) -> bool:
         """Whether the session may be read: no turn changes it."""
-        return not self._background.alone
-
-    def wait(self, seconds: float | None = None) -> bool:
-        """Whether no turn goes on any more, after that time at most."""
-        return self._background.wait(seconds)
+        return not self.turns.alone
 
     def tick(self, now: float, budget: float) -> None:
         self._end_turn(now)
-        if self._background.busy:
+        if self.turns.busy:
             self._apply_meanwhile(now)
         else:
             self._take_turn(now, budget)
@@ -221,11 +199,11 @@ class CommandLoop:
         if opens:
             self._announce_pictures()
         if rest or model.motions.replaying:
-            self._background.begin(lambda: self._carry_out(rest, now), alone=True)
+            self.turns.begin(lambda: self._carry_out(rest, now), alone=True)
             return
         self._tick_motions()
         if model.player.due(now):
-            self._background.begin(lambda: model.player.advance(now, BESIDE), alone=False)
+            self.turns.begin(lambda: model.player.advance(now, BESIDE), alone=False)
 
     def _carry_out(self, commands: list[Queued], now: float) -> None:
         for entry in commands:
@@ -246,7 +224,7 @@ class CommandLoop:
 
     def _apply_meanwhile(self, now: float) -> None:
         """What need not wait for the turn that goes on."""
-        if not self._background.alone:
+        if not self.turns.alone:
             self._apply_in_time(self._queue.take_order_independent(), now)
 
     def _apply_in_time(self, commands: list[Queued], now: float, rest: list[Queued] | None = None) -> bool:
@@ -262,7 +240,7 @@ class CommandLoop:
 
     def _end_turn(self, now: float) -> None:
         try:
-            if self._background.end():
+            if self.turns.end():
                 self._model.player.seen_from(now, self._asked_at)
         except CameraLost as lost:
             self._model.undoable.leave_pictures()
@@ -314,7 +292,7 @@ class Background:
             raise fault
         return True
 
-    def wait(self, seconds: float | None = None) -> bool:
+    def wait(self, seconds: float) -> bool:
         """Whether no turn goes on any more, after that time at most."""
         if self._thread is not None:
             self._thread.join(seconds)

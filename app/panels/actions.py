@@ -36,8 +36,7 @@ class Message(msgspec.Struct, forbid_unknown_fields=True):
 def read_message(text: str) -> Message:
     """Decode a message. Raises ValueError for an invalid one."""
     if len(text) > MAX_CHARS:
-        refusal = "{n} characters of actions; at most {most} are read"
-        raise ValueError(refusal.format(n=len(text), most=MAX_CHARS))
+        raise ValueError(f"{len(text)} characters of actions; at most {MAX_CHARS} are read")
     return msgspec.json.decode(text, type=Message)
 
 
@@ -63,8 +62,7 @@ class Actions:
     def _call(self, control: str, value: str) -> None:
         command = self._queue.commands.get(control)
         if command is None or not command.link:
-            refusal = "this page has no control {name!r}: reload it"
-            self._queue.put(Rejected(refusal.format(name=control), ("action", control)))
+            self._queue.put(Rejected(f"this page has no control {control!r}: reload it", ("action", control)))
         else:
             self._queue.call(control, *[value] * len(command.parsers), sender=("action", control))
 

@@ -2,7 +2,6 @@
 what a small window shows of it."""
 
 import html
-from functools import partial
 
 from viser import Icon
 
@@ -10,7 +9,7 @@ from viewimit.drawing.export.perspective import draw_space
 from viewimit.drawing.svg import count_points
 from viewimit.simulation.eyes import require_eyes
 from viewimit.simulation.scene import Scene
-from viewimit.wording import listed, plural
+from viewimit.wording import listed
 
 from ..drawing.joint_bars import draw_body_points
 from ..drawing.overlays import LESS, MORE, link
@@ -18,7 +17,7 @@ from ..lab.page import lab_address, lab_lacks
 from ..model.choices import LARGE, NO_POINT
 from ..model.page_model import PageModel
 from ..model.points import chosen_layout, layout_choices
-from .panel import SLOWEST, Layout, put, put_disabled, put_html, put_visible
+from .panel import SLOWEST, Layout, put, put_html, put_properties
 
 REWRITTEN_EVERY = 2.0  # s: the address of the lab, which takes time
 SWITCHES = (
@@ -29,6 +28,7 @@ SWITCHES = (
     ("Whole frames", "whole_frames"),
     ("Raw, rectified", "rectified"),
     ("Shadows", "shadows"),
+    ("Details", "details"),
     ("Still picture", "flat"),
     ("Dark", "dark"),
 )
@@ -49,8 +49,9 @@ def display(layout: Layout, model: PageModel) -> None:
         rectify = gui.add_checkbox("Rectify", True, hint="the pictures, where their matched points ask for it")
         camera = layout.checkbox("Camera pictures", lambda model: model.settings.sensor == "rendered", "camera")
         why_not = gui.add_html("", visible=False)
+        shows = lambda name: lambda model: model.view.on(name)
         for label, name in SWITCHES:
-            layout.checkbox(label, partial(_is_on, name), "switch", name)
+            layout.checkbox(label, shows(name), "switch", name)
         layout.button(("Fit view", None), "fit_view")
     queue.on_value(chosen, "choose_point")
     queue.on_value(points, "points")
@@ -62,9 +63,9 @@ def display(layout: Layout, model: PageModel) -> None:
         pictured = model.settings.sensor == "rendered"  # which show the markers that the robot wears, in one layout
         count = len(model.session.world.body)
         why = why_no_pictures(model.session.scene)
-        put_disabled(camera, why is not None)
+        put_properties(camera, disabled=why is not None)
         put_html(why_not, "" if why is None else f'<div class="vi-why">{html.escape(why)}</div>')
-        put_visible(why_not, why is not None)
+        put_properties(why_not, visible=why is not None)
         points.options = [_count_markers(count)] if pictured else list(layout_choices(model.settings))
         points.disabled = pictured
         chosen.options = [NO_POINT, *(str(i) for i in range(count))]
@@ -81,7 +82,7 @@ def display(layout: Layout, model: PageModel) -> None:
 
 
 def _count_markers(count: int) -> str:
-    return plural("{n} marker", "{n} markers", count).format(n=count)
+    return f"{count} marker{'' if count == 1 else 's'}"
 
 
 def _set_theme(layout: Layout, dark: bool) -> None:
@@ -167,11 +168,12 @@ def enlarge(layout: Layout, model: PageModel) -> None:
     """
     for tab in layout.upper_tabs:
         with tab:
-            layout.html(lambda model: _enlarge_links(model.view.large))
+            layout.html(lambda model: _enlarge_links(model.view.large, model.view.details))
 
 
-def _enlarge_links(large: str | None) -> str:
-    """Links that enlarge the panels, and which of them or of the images is large: layout.css does it."""
+def _enlarge_links(large: str | None, details: bool) -> str:
+    """Links that enlarge the panels, and which of them or of the images is large, and whether details are shown:
+    layout.css does it."""
     icon = f'<svg viewBox="-6 -6 12 12" aria-hidden="true"><path d="{LESS if large else MORE}"/></svg>'
     links = "".join(
         f'<div class="vi-enlarge vi-enlarge-{what}">{link(f"large/{LARGE.index(shown)}", name, icon)}</div>'
@@ -181,6 +183,7 @@ def _enlarge_links(large: str | None) -> str:
         )
     )
     mark = f'<i class="vi-large vi-large-{large}"></i>' if large else ""
+    mark += '<i class="vi-details"></i>' if details else ""
     return f'<div class="vi-larger-links">{links}</div>{mark}'
 
 
@@ -217,8 +220,3 @@ def points(layout: Layout, model: PageModel) -> None:
         put_html(status, f'<div class="vi-edited">{content}</div>')
 
     layout.drawing(lambda model: (model.points.shown, model.generation), draw)
-
-
-def _is_on(name: str, model: PageModel) -> bool:
-    """Whether a switch of the page is on."""
-    return model.view.on(name)

@@ -12,7 +12,6 @@ from viewimit.experiments.paper.common import Claim, verdict
 
 from ..drawing.overlays import asks
 from ..jobs.experiments import Run
-from ..model.computed import titles
 from ..model.motions import NAMES
 from ..model.page_model import PageModel
 from .panel import Layout, put, put_html, put_max
@@ -36,7 +35,7 @@ def experiments(layout: Layout, model: PageModel) -> None:
         with layout.row():
             layout.dropdown(
                 "Experiment",
-                list(titles().values()),
+                [experiment.title for experiment in EXPERIMENTS.values()],
                 lambda model: EXPERIMENTS[model.experiments.chosen].title,
                 "experiment",
             )

@@ -99,7 +99,7 @@ def help_html(keys: str) -> str:
     """For a modal. keys: what they are, as html."""
     methods = "".join(
         f"<p><b>{title}</b></p><dl>"
-        + "".join(f"<dt>{m.title}</dt><dd>{_method(m.assumes, m.limitations)}</dd>" for m in methods.values())
+        + "".join(f"<dt>{m.title}</dt><dd>Assumes: {m.assumes} Fails: {m.limitations}</dd>" for m in methods.values())
         + "</dl>"
         for title, methods in METHODS
     )
@@ -107,11 +107,6 @@ def help_html(keys: str) -> str:
     return (
         f'<div class="vi-help"><div class="vi-help-keys">{keys}</div>{HELP_HTML}{methods}{words}{about(Ways())}</div>'
     )
-
-
-def _method(assumes: str, limitations: str) -> str:
-    """Describe a method in two sentences."""
-    return f"Assumes: {assumes} Fails: {limitations}"
 
 
 # What explains the page: ways to the lab and its lessons, the offer of one of them, and the glossary's cards.
@@ -191,8 +186,7 @@ def draw_offer(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
     tour = lessons[name]
     take = f'<a href="lab/{name}{way_back(model)}"><span class="vi-button vi-filled">Begin <kbd>Enter</kbd></span></a>'
     no = button("dismiss/0", "Not now", '<span class="vi-button vi-text">Not now <kbd>Esc</kbd></span>')
-    words = "<b>New here?</b> {title}, {n} min: {about}"
-    words = f"<span>{words.format(title=escape(tour.title), n=tour.minutes, about=escape(tour.about))}</span>"
+    words = f"<span><b>New here?</b> {escape(tour.title)}, {tour.minutes} min: {escape(tour.about)}</span>"
     return f'<div class="vi-offer" role="dialog" aria-label="{escape(tour.title)}">{words}{take}{no}</div>'
 
 

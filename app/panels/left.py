@@ -10,7 +10,6 @@ from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.settings import MAX_SEED, given
 from viewimit.servo import SERVOS
-from viewimit.wording import plural
 
 from ..drawing.joint_bars import draw_learner
 from ..drawing.overlays import beside
@@ -23,8 +22,6 @@ from ..model.choices import (
     chosen_joints,
     joint_choices,
     modified,
-    servo_names,
-    transfer_names,
 )
 from ..model.editing import rehearsal_of
 from ..model.page_model import PageModel
@@ -92,7 +89,9 @@ def history(layout: Layout, model: PageModel) -> None:
         put_html(count, f'<div class="vi-count"><span>{step}</span></div>')
 
     layout.drawing(lambda model: (model.player.cursor, model.player.last), show_length, period=SLOW)
-    layout.dropdown("Speed", list(SPEEDS), _speed, "speed", period=SLOW)
+    # of a speed that only links have, the nearest
+    speed = lambda model: min(SPEEDS, key=lambda name: abs(SPEEDS[name] - model.player.speed))
+    layout.dropdown("Speed", list(SPEEDS), speed, "speed", period=SLOW)
 
 
 def _name(model: PageModel) -> str:
@@ -100,21 +99,12 @@ def _name(model: PageModel) -> str:
     return modified(model.preset.name) if model.modified else model.preset.name
 
 
-def _speed(model: PageModel) -> str:
-    """The nearest that the list has: a link may have another."""
-    return min(SPEEDS, key=lambda name: abs(SPEEDS[name] - model.player.speed))
-
-
 # The demonstrator's joints, and the learner's: their sliders, bars, and what the learner has seen of itself before.
 
 WATCH, STOP = ("Watch yourself first", Icon.EYE), ("Stop", Icon.PLAYER_STOP)
 FORGET = "Forget", Icon.ERASER
 MANY = 4  # joints, whose angles are too long for a folder's name
-HINT = plural(
-    "The learner goes through {n} pose, with nobody to imitate, and needs no test steps then.",
-    "The learner goes through {n} poses, with nobody to imitate, and needs no test steps then.",
-    DEFAULT_POSTURES,
-).format(n=DEFAULT_POSTURES)
+HINT = f"The learner goes through {DEFAULT_POSTURES} poses, with nobody to imitate, and needs no test steps then."
 
 
 def demonstrator(layout: Layout, model: PageModel) -> None:
@@ -193,7 +183,7 @@ def method(layout: Layout, model: PageModel) -> None:
     gui = layout.gui
     with layout.folder("Method", _method):
         gui.add_html(beside("transfer"))
-        transfers, servos = list(transfer_names().values()), list(servo_names().values())
+        transfers, servos = ([one.title for one in those.values()] for those in (TRANSFERS, SERVOS))
         layout.dropdown("Transfer", transfers, lambda model: TRANSFERS[model.settings.transfer].title, "transfer")
         gui.add_html(beside("servo"))
         layout.dropdown("Servo", servos, lambda model: SERVOS[model.settings.servo].title, "servo")

@@ -14,7 +14,7 @@ from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from viser import ClientHandle, GuiButtonHandle, IconName
+from viser import ClientHandle, IconName
 
 from viewimit.drawing.export.engine_scene import joint_name
 
@@ -27,7 +27,6 @@ SLOW, SLOWEST = 0.2, 0.5  # s between two drawings of curves and of numbers, whi
 Read = Callable[[PageModel], Any]
 Period = float | Callable[[PageModel], float]
 Look = tuple[str, IconName | None]  # a button's label and icon
-NAME = "{name}: {chosen}"  # of a folder, with the choice in it
 
 
 class ClientInfo(NamedTuple):
@@ -126,10 +125,10 @@ class Layout:
 
     def folder(self, name: str, holds: Read | None = None) -> AbstractContextManager:
         """A closed folder. holds: the choice in it, in a few words, which stands beside its name."""
-        label = (lambda model: NAME.format(name=name, chosen=holds(model))) if holds else (lambda model: name)
+        label = (lambda model: f"{name}: {holds(model)}") if holds else (lambda model: name)
         handle = self.gui.add_folder(label(self._model), expand_by_default=False)
         if holds:
-            self.bind(label, lambda shown: put_folder_label(handle, shown))
+            self.bind(label, lambda shown: put_properties(handle, label=shown))
         return handle
 
     @contextmanager
@@ -167,12 +166,10 @@ class Layout:
 
     # Widgets: what each shows is a constant, or a function of the model
 
-    def html(self, content: str | Read = "", visible: bool | Read = True, period: float = 0.0, name: str = "") -> Any:
+    def html(self, content: str | Read = "", visible: bool | Read = True) -> Any:
         handle = self.gui.add_html(self._first(content), visible=self._first(visible))
-        self._bind_if_read(content, lambda shown: put_html(handle, shown), period)
-        self._bind_if_read(visible, lambda shown: put_visible(handle, shown), period)
-        if name:
-            self.named[name] = handle
+        self._bind_if_read(content, lambda shown: put_html(handle, shown))
+        self._bind_if_read(visible, lambda shown: put_properties(handle, visible=shown))
         return handle
 
     def button(
@@ -189,9 +186,9 @@ class Layout:
         options |= {"disabled": not self._first(enabled), "visible": self._first(visible)}
         handle = self.gui.add_button(label, icon=icon, hint=hint, **options)
         self.queue.on_click(handle, command)
-        self._bind_if_read(look, lambda shown: put_label(handle, *shown))
-        self._bind_if_read(enabled, lambda shown: put_disabled(handle, not shown))
-        self._bind_if_read(visible, lambda shown: put_visible(handle, shown))
+        self._bind_if_read(look, lambda shown: put_properties(handle, **dict(zip(("label", "icon"), shown))))
+        self._bind_if_read(enabled, lambda shown: put_properties(handle, disabled=not shown))
+        self._bind_if_read(visible, lambda shown: put_properties(handle, visible=shown))
         return handle
 
     def dropdown(
@@ -205,13 +202,20 @@ class Layout:
     ) -> Any:
         shown = self._first(visible)
         handle = self.gui.add_dropdown(label, options, initial_value=value(self._model), visible=shown)
-        self._bind_if_read(visible, lambda shown: put_visible(handle, shown), period)
+        self._bind_if_read(visible, lambda shown: put_properties(handle, visible=shown), period)
         return self.value(handle, value, command, period=period)
 
     def checkbox(
-        self, label: str, value: Callable[[PageModel], bool], command: str, *first: Any, hint: str | None = None
+        self,
+        label: str,
+        value: Callable[[PageModel], bool],
+        command: str,
+        *first: Any,
+        hint: str | None = None,
+        visible: bool | Callable[[PageModel], bool] = True,
     ) -> Any:
-        handle = self.gui.add_checkbox(label, value(self._model), hint=hint)
+        handle = self.gui.add_checkbox(label, value(self._model), hint=hint, visible=self._first(visible))
+        self._bind_if_read(visible, lambda shown: put_properties(handle, visible=shown))
         return self.value(handle, value, command, *first)
 
     def slider(
@@ -284,31 +288,17 @@ def put(handle: Any, value: Any) -> None:
         push_input(handle, type(shown)(value))
 
 
-def put_max(slider: Any, value: float) -> None:
-    if slider.max != value:
-        push_property(slider, "max", value)
-
-
 def put_html(handle: Any, content: str) -> None:
     if handle.content != content:
         push_property(handle, "content", content)
 
 
-def put_label(button: GuiButtonHandle, label: str, icon: IconName) -> None:
-    if button.label != label:
-        button.label, button.icon = label, icon
+def put_max(slider: Any, value: float) -> None:
+    if slider.max != value:
+        push_property(slider, "max", value)
 
 
-def put_folder_label(folder: Any, label: str) -> None:
-    if folder.label != label:
-        folder.label = label
-
-
-def put_visible(handle: Any, visible: bool) -> None:
-    if handle.visible != visible:
-        handle.visible = visible
-
-
-def put_disabled(handle: Any, disabled: bool) -> None:
-    if handle.disabled != disabled:
-        handle.disabled = disabled
+def put_properties(handle: Any, **properties: Any) -> None:
+    for name, value in properties.items():
+        if getattr(handle, name) != value:
+            setattr(handle, name, value)

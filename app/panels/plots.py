@@ -24,9 +24,8 @@ from ..drawing.overlays import (
     posture_field,
     proposed_marks,
 )
-from ..model.choices import servo_names, transfer_names
 from ..model.page_model import PageModel
-from .panel import SLOW, SLOWEST, Layout, put_html, put_visible
+from .panel import SLOW, SLOWEST, Layout, put_html, put_properties
 
 COMPARE, ALONE = ("Compare all transfers", Icon.LAYOUT_GRID), ("This transfer alone", Icon.SQUARE)
 WORDS = asks(("bias", "basin"))  # in the lines under all transfers' landscapes
@@ -85,17 +84,27 @@ def landscape(layout: Layout, model: PageModel) -> None:
         ground, path = gui.add_html(""), gui.add_html("")
         preview, links = gui.add_html(""), gui.add_html("")
         cost = gui.add_html(f'<div class="vi-corner">{ask("cost")}</div>')
-        basin = layout.html(_draw_basin)
+        run = lambda model: model.basins.run
+        basin = layout.html(lambda model: "" if run(model) is None else run(model).figure or WAITING)
         layout.html(lambda model: model.comparison.html or "", visible=_compares)
         layout.html(WORDS, visible=_compares)
         with layout.row(quiet=True):
             layout.button(lambda model: ALONE if _compares(model) else COMPARE, "compare")
             layout.button(_starts_look, "starts", hint=STARTS)
             layout.checkbox(
-                "Preview the pose", lambda model: model.view.look_only, "switch", "look_only", hint=LOOK_ONLY
+                "Preview the pose",
+                lambda model: model.view.look_only,
+                "switch",
+                "look_only",
+                hint=LOOK_ONLY,
+                visible=lambda model: model.view.details or model.view.look_only,
             )
-        for over in (ground, path, preview, links, cost, basin):
-            layout.bind(lambda model: not _compares(model), partial(put_visible, over))
+
+        def show_own(shown: bool) -> None:
+            for over in (ground, path, preview, links, cost, basin):
+                put_properties(over, visible=shown)
+
+        layout.bind(lambda model: not _compares(model), show_own)
         own = OwnPath(ground, path)
         layout.drawing(own.key, own.draw, own.period)
         layout.drawing(lambda model: (model.displayed.preview, model.generation), partial(_draw_preview, preview))
@@ -140,11 +149,6 @@ def _draw_preview(preview: Any, model: PageModel) -> None:
     put_html(preview, "" if moment is None else draw_see_through(model.session.scene, moment))
 
 
-def _draw_basin(model: PageModel) -> str:
-    run = model.basins.run
-    return "" if run is None else run.figure or WAITING
-
-
 def _starts_look(model: PageModel) -> tuple:
     run = model.basins.run
     return FROM_STARTS if run is None or model.comparison.on else CANCEL if run.goes_on else HIDE
@@ -162,11 +166,8 @@ def curves(layout: Layout, model: PageModel) -> None:
             put_html(shown, drawn)
 
         layout.drawing(lambda model: (model.snapshot, len(model.session.history), model.landscape.made), draw, SLOW)
-        layout.bind(lambda model: axis_end(len(model.session.history) - 1), partial(_draw_field, over))
-
-
-def _draw_field(over: Any, end: int) -> None:
-    put_html(over, f'<div class="vi-over">{motion_field(end)}</div>')
+        draw_field = lambda end: put_html(over, f'<div class="vi-over">{motion_field(end)}</div>')
+        layout.bind(lambda model: axis_end(len(model.session.history) - 1), draw_field)
 
 
 def equations(layout: Layout, model: PageModel) -> None:
@@ -187,7 +188,7 @@ BEGIN, END = ("Begin duel", Icon.SWORDS), ("End duel", Icon.PLAYER_STOP)
 
 
 def duel(layout: Layout, model: PageModel) -> None:
-    transfers, servos = list(transfer_names().values()), list(servo_names().values())
+    transfers, servos = ([one.title for one in those.values()] for those in (TRANSFERS, SERVOS))
     with layout.tab("Duel"):
         with layout.row():
             layout.dropdown(

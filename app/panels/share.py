@@ -109,24 +109,18 @@ def _bound(files: list[str]) -> str:
     """Where a link opens, if not everywhere."""
     if not files:
         return ""
-    text = "It opens only on a server that was started with {files}: no link can hold these files."
-    return f'<p class="vi-2nd">{text.format(files=html.escape(listed(files)))}</p>'
+    named = html.escape(listed(files))
+    return (
+        f'<p class="vi-2nd">It opens only on a server that was started with {named}: no link can hold these files.</p>'
+    )
 
 
 def _qr(address: str) -> str:
+    """A code that a telephone reads in both colour schemes."""
     if len(address) > MOST_IN_QR:
         return '<p class="vi-2nd">Too long for a QR code that a telephone can read.</p>'
-    return draw_qr(address, "QR code of the link", error="l", width=WIDTH)
-
-
-def draw_qr(address: str, name: str, error: str = "m", width: int = 0) -> str:
-    """Draw a QR code that a telephone reads in both colour schemes, as HTML.
-
-    name: for screen readers; error: how much of it may be hidden, as segno has it; width: px that it may be wide, if
-    that is more than it needs.
-    """
-    code = segno.make(address, error=error, micro=False)
+    code = segno.make(address, error="l", micro=False)
     drawn = code.svg_inline(border=BORDER, dark="#000", light="#fff", omitsize=True)
     modules = int(code.symbol_size(1, BORDER)[0])
-    width = modules * max(SCALE, width // modules)
-    return f'<div class="vi-qr" role="img" aria-label="{name}" style="width:{width}px">{drawn}</div>'
+    width = modules * max(SCALE, WIDTH // modules)
+    return f'<div class="vi-qr" role="img" aria-label="QR code of the link" style="width:{width}px">{drawn}</div>'

@@ -47,7 +47,9 @@ def status(layout: Layout, model: PageModel) -> None:
         said, truth = _said(model), _truth(model)
         layout.named["truth"] = truth
         kind = "proposed" if said.state == "editing" and model.points.proposal is not None else said.state
-        put_html(strip, draw_status(said, truth, _choices(CHOICES.get(kind, ())), _outcome(model, said)))
+        choices = "".join(link(what, words, words) for what, words in CHOICES.get(kind, ()))
+        choices += "<kbd>Esc</kbd>" if choices else ""
+        put_html(strip, draw_status(said, truth, choices, _outcome(model, said)))
 
     def period(model: PageModel) -> float:
         """Nobody reads faster what changes with every motion, and on the way."""
@@ -59,11 +61,6 @@ def status(layout: Layout, model: PageModel) -> None:
 def show_fault(layout: Layout, text: str) -> None:
     """Show a fault without reading the model, which may be unreadable."""
     put_html(layout.named["status"], draw_status(StatusMessage("message", text), layout.named.get("truth", "")))
-
-
-def _choices(choices: tuple[tuple[str, str], ...]) -> str:
-    """What may be done about a see-through arm, or while points are edited."""
-    return "".join(link(what, words, words) for what, words in choices) + "<kbd>Esc</kbd>" if choices else ""
 
 
 def _said(model: PageModel) -> StatusMessage:

@@ -125,10 +125,9 @@ class Scene3D:
     def eye(self) -> Viewpoint | None:
         """That of the visitor, without what lies under the strip; None before the browser has said."""
         camera = self._client.camera
-        if min(camera.image_width, camera.image_height) <= 0:
+        if (aspect := self._view.aspect) is None:
             return None
         position, target = np.array(camera.position), np.array(camera.look_at)
-        aspect = camera.image_width / camera.image_height
         return Viewpoint(position, target, float(camera.fov), aspect, BELOW - UNCOVERED)
 
     @property
@@ -198,7 +197,8 @@ class DefaultView:
     @property
     def aspect(self) -> float | None:
         """Width by height of the canvas, in pixels of any size; None while it has no size."""
-        return aspect_of(self._client)
+        width, height = self._client.camera.image_width, self._client.camera.image_height
+        return width / height if min(width, height) > 0 else None
 
     def fit(self, landmarks: NDArray) -> None:
         """As near as the canvas allows. landmarks: (k, 3) m, what must be seen."""
@@ -218,7 +218,10 @@ class DefaultView:
         """Fit a camera that is where the page put it to a canvas of another shape than before, or one that is
         at viser's default place."""
         aspect, is_default = self.aspect, self.camera_is_default
-        if aspect is None or (same_shape(aspect, self._aspect) and not is_default):
+        if aspect is None:
+            return
+        is_same = self._aspect is not None and abs(math.log(aspect / self._aspect)) < SAME_SHAPE
+        if is_same and not is_default:
             return
         self._aspect = aspect
         if is_default or self._at((*BEFORE, *self._places)):
@@ -232,18 +235,6 @@ class DefaultView:
         """Whether the camera is at one of places (3,) m."""
         here = self._client.camera.position
         return any(math.dist(here, place) < UNTOUCHED for place in places)
-
-
-def aspect_of(client: ClientHandle) -> float | None:
-    """Width by height of the canvas, in pixels of any size; None while it has no size."""
-    width, height = client.camera.image_width, client.camera.image_height
-    return width / height if min(width, height) > 0 else None
-
-
-def same_shape(aspect: float | None, other: float | None) -> bool:
-    if aspect is None or other is None:
-        return aspect is other
-    return bool(abs(np.log(aspect / other)) < SAME_SHAPE)
 
 
 # The arrows at the demonstrator's hand, by which it is dragged.

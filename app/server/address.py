@@ -182,9 +182,13 @@ def invite(host: str, port: int) -> None:
     if url is None:
         print("no network that others could reach it by", flush=True)
         return
+    print(f"others open {url}, which nothing encrypts: anybody on this network can")
+    print_qr(url)
+
+
+def print_qr(url: str) -> None:
     drawn = io.StringIO()
     segno.make(url, micro=False).terminal(drawn, compact=True)
-    print(f"others open {url}, which nothing encrypts: anybody on this network can")
     with contextlib.suppress(UnicodeEncodeError):  # a terminal without block characters has the address
         drawn.getvalue().encode(sys.stdout.encoding or "utf-8")  # for print would put ? in their place
         print(drawn.getvalue(), flush=True)

@@ -15,13 +15,13 @@ from ..lab.lessons.format import Lesson
 class TokenBucket:
     """`rate` a second on average, up to `burst` at once."""
 
-    def __init__(self, rate: float, burst: float, clock: Callable[[], float] = time.monotonic):
-        self._rate, self._burst, self._clock = rate, burst, clock
-        self._tokens, self._last = burst, clock()
+    def __init__(self, rate: float, burst: float):
+        self._rate, self._burst = rate, burst
+        self._tokens, self._last = burst, time.monotonic()
 
     def take(self) -> bool:
         """Take one, if there is one."""
-        now = self._clock()
+        now = time.monotonic()
         self._tokens = min(self._burst, self._tokens + (now - self._last) * self._rate)
         self._last = now
         if self._tokens < 1:

@@ -131,8 +131,7 @@ class App:
         asyncio.run_coroutine_threadsafe(_close_soon(connection), self._server.get_event_loop())
         client.gui.reset()  # of its parts
         why = html.escape(str(error) or type(error).__name__)
-        text = "This page cannot be shown: {why}. It is tried again in {time:g} s."
-        client.gui.add_html(f"<p>{text.format(why=why, time=AGAIN_AFTER)}</p>")
+        client.gui.add_html(f"<p>This page cannot be shown: {why}. It is tried again in {AGAIN_AFTER:g} s.</p>")
 
     def _page(self, client: viser.ClientHandle, connection: GuardedConnection) -> Page:
         request = connection.request

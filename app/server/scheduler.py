@@ -5,9 +5,8 @@ import concurrent.futures
 import logging
 import time
 from collections.abc import Callable
-from contextlib import AbstractContextManager
-from typing import Protocol
 
+from ..page.page import Page
 from .limits import TokenBucket, in_a_line
 
 TICK = 0.05  # s: poses are drawn at 20 Hz
@@ -19,20 +18,6 @@ BEAT = 1.0  # s
 log = logging.getLogger(__name__)
 
 
-class Drawn(Protocol):
-    """A page. held(): nothing of it is sent inside; tick(now, budget): up to its poses, with s of a monotonic clock and
-    s for motions as fast as it computes; draw(): all else that changed; fail(error): what these raised, for it to
-    say."""
-
-    def held(self) -> AbstractContextManager: ...
-
-    def tick(self, now: float, budget: float) -> None: ...
-
-    def draw(self) -> None: ...
-
-    def fail(self, error: Exception) -> None: ...
-
-
 class Scheduler:
     """Pages are added when they are built and removed when their tab is gone, both in the loop's own thread.
 
@@ -41,7 +26,7 @@ class Scheduler:
 
     def __init__(self, heartbeat: Callable[[], None] = lambda: None):
         self._heartbeat = heartbeat
-        self._drawn_at: dict[Drawn, float] = {}  # s
+        self._drawn_at: dict[Page, float] = {}  # s
         self._faults = TokenBucket(1, 1)  # in the log
         self._task: concurrent.futures.Future | None = None
         self._running = False
@@ -57,10 +42,10 @@ class Scheduler:
         if self._task is not None:
             concurrent.futures.wait([self._task], 2.0)
 
-    def add(self, page: Drawn) -> None:
+    def add(self, page: Page) -> None:
         self._drawn_at[page] = 0.0
 
-    def remove(self, page: Drawn) -> None:
+    def remove(self, page: Page) -> None:
         """Afterwards it is ticked no more."""
         self._drawn_at.pop(page, None)
 
@@ -79,7 +64,7 @@ class Scheduler:
             due = max(due + TICK, time.monotonic() - TICK)  # one long round is made up for, more are skipped
             await asyncio.sleep(max(due - time.monotonic(), 0))
 
-    def _pass(self, page: Drawn, due: float) -> None:
+    def _pass(self, page: Page, due: float) -> None:
         """Move a page and pose its arms, and draw all else unless the round is late."""
         now = time.monotonic()
         try:
@@ -91,7 +76,7 @@ class Scheduler:
         except Exception as error:  # one session's fault must not stop the others; its own page says so
             self._tell(page, error)
 
-    def _tell(self, page: Drawn, error: Exception) -> None:
+    def _tell(self, page: Page, error: Exception) -> None:
         """Let a page say its own fault; one that cannot even do that is ticked no more."""
         if self._faults.take():
             log.error(in_a_line("a session met an error", error))

@@ -4,11 +4,8 @@
 const MAX_ADDRESS = 1500;  // characters of a session in the address
 
 class TabSession {
-  /**
-   * @param {() => Storage} storage  of the tab; it may throw
-   * @param {string} key  in the storage
-   * @param {string} asked  the query that the address held when the page was opened
-   */
+  /** @param {() => Storage} storage  of the tab; it may throw @param {string} key  in the storage
+   * @param {string} asked  the query that the address held when the page was opened */
   constructor(storage, key, asked) {
     this.storage = storage;
     this.key = key;

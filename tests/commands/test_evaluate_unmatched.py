@@ -85,4 +85,4 @@ def test_what_it_needs_is_said(ask, tracks, tmp_path):
     assert status == 2 and "the heading must be frame" in error
     few.write_text("frame,theta2,theta4\n" + "".join(f"{k},10,10\n" for k in range(6)))
     status, _, error = ask("evaluate", path, "--unmatched", "--postures", few)
-    assert status == 2 and "6 postures do not show how the joints move points: turn each joint alone" in error
+    assert status == 2 and "6 poses do not show how the joints move points: turn each joint alone" in error

@@ -14,8 +14,8 @@ import zlib
 import pytest
 from viewimit.assets import ROOT
 
-from viewimit.commands.options import option
 from viewimit.estimation.views import VIEW_NAMES
+from viewimit.options import option
 from viewimit.sensing.files import MAX_ARRAY_BYTES
 
 WITHIN_S, MOST_KB = 5.0, 500_000

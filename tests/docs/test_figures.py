@@ -7,7 +7,7 @@ from pathlib import Path
 import msgspec
 
 from viewimit.commands import cli
-from viewimit.commands.options import settings_from
+from viewimit.options import settings_from
 
 ROOT = Path(__file__).parents[2]
 FIGURES = msgspec.toml.decode((ROOT / "docs/figures.toml").read_bytes())["figure"]

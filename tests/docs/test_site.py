@@ -10,10 +10,10 @@ from pathlib import Path
 from urllib.parse import parse_qsl
 
 import pytest
+from viewimit.app.cli import docs, site
 from viewimit.app.lab.article.page import FIGURES
 from viewimit.app.presets import LAB_PRESETS
 
-from viewimit.commands import docs, site
 from viewimit.commands.cli import COMMANDS
 from viewimit.drawing.glossary import glossary
 

@@ -15,7 +15,6 @@ from drawn import (
     FROM_PARTNER,
     FROM_RIGHT,
     LEARNERS_PATH,
-    LEVEL_NUMBERS,
     OWN_POINTS,
     RECOVERED_POINTS,
     RESIDUALS,
@@ -27,23 +26,19 @@ from drawn import (
     parsed,
     path,
 )
-from viewimit.app.drawing.overlays import current_values
-from viewimit.app.static import LAYOUT_CSS, stylesheet
 from viewimit.assets import ROOT
 
 from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.analysis.self_assessment import assess
-from viewimit.drawing import curves, equations, glossary, status, svg, theme
+from viewimit.drawing import curves, equations, status, svg
 from viewimit.drawing import landscape as landscape_drawing
-from viewimit.drawing.export.panels import Appearance
 from viewimit.drawing.images import panel
-from viewimit.drawing.images.planes import MARGIN, SIZES, image_windows
+from viewimit.drawing.images.planes import image_windows
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.equations import MISSING
 from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.views import FourViews
-from viewimit.geometry.affine import VIEW_PAIRS, fit_affine_fundamental
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import ServoStatus
@@ -142,18 +137,6 @@ class TestImages:
                 off = np.cross([*(b - a), 0], [*(centre - a), 0])[2] / np.linalg.norm(b - a)
                 assert abs(off) < 0.2
 
-    def test_the_lines_come_from_the_snapshots_fundamental_matrices(self, session):
-        views = session.snapshot.views
-        images = (views.demo_left, views.demo_right, views.own_left, views.own_right)
-        f, f33 = session.snapshot.fundamental
-        for (p, q), *found in zip(VIEW_PAIRS, f, f33):
-            expected, offset = fit_affine_fundamental(images[p], images[q])
-            sign = np.sign(found[0] @ expected)
-            assert sign * found[0] == pytest.approx(expected, abs=1e-9)
-            assert sign * found[1] == pytest.approx(offset, abs=1e-6)
-        assert session.snapshot.fundamental is session.snapshot.fundamental
-        assert stepped(0, missing=0.5).snapshot.fundamental is None
-
     @pytest.mark.parametrize("gain", [1, 5])
     def test_arrows_run_from_the_recovered_points_towards_the_own(self, session, gain):
         for box in (planes(drawn(session, gain=gain))[name] for name in "LR"):
@@ -161,29 +144,6 @@ class TestImages:
             own, recovered = starts(path(box, OWN_POINTS)), starts(path(box, RECOVERED_POINTS))
             assert arrows[:, :2] == pytest.approx(recovered, abs=0.11)
             assert arrows[:, 2:] - arrows[:, :2] == pytest.approx(gain * (own - recovered), abs=0.11 * (1 + gain))
-
-    def test_windows_fit_the_run_and_its_goal_with_room_for_a_ring(self, session):
-        appearance, world = Appearance(session.world), session.world
-        for snapshot in session.history:
-            bodies, windows = appearance.of(snapshot)
-            for view, points in points_in_images(bodies).items():
-                x, y, w, h, scale = windows[False][view][:5]
-                inside = (points - (x, y)) * scale
-                assert (inside >= 0).all() and (inside <= SIZES[False][view]).all()
-        goal = world.own_images(session.snapshot.theta_demo)[0]
-        np.testing.assert_allclose(np.concatenate(list(bodies.goal.points), -1), goal)
-        first = appearance.of(session.history[0])[1]
-        for pair in ("lr", "LR"):
-            tight = []
-            for view in pair:
-                points = (
-                    points_in_images(appearance.of(session.history[0])[0])[view] - first[False][view][:2]
-                ) * first[False][view].scale
-                room = np.array([points.min(0), SIZES[False][view] - points.max(0)])
-                assert (room >= MARGIN - 1e-6).all()
-                tight.append(room.min())
-            assert min(tight) == pytest.approx(MARGIN)
-        assert first[False]["L"].scale == first[False]["R"].scale and first[False]["l"].scale == first[False]["r"].scale
 
     def test_too_few_points_leave_frames_points_and_dashes(self):
         session = stepped(0, missing=0.5)
@@ -213,17 +173,6 @@ class TestSilhouettes:
 
 
 class TestLandscape:
-    def test_contour_labels_equal_their_levels(self, session, picture):
-        made, plane = surface(session), PosturePlane(session.scene)
-        over = parsed(picture.draw_path(session.history, session.cursor))
-        labels = [label for label in only(over, "text", LEVEL_NUMBERS) if label.text != "start"]
-        assert len(labels) >= 8
-        x, y = plane.grid(made.axes)
-        for label in labels:
-            column = np.interp(float(label.get("x")), x, np.arange(len(x)))
-            row = np.interp(-(float(label.get("y")) - 4), -y, np.arange(len(y)))
-            assert bilinear(np.log(made.E), row, column) == pytest.approx(np.log(float(label.text)), abs=0.04)
-
     def test_path_runs_through_the_postures(self, session, picture):
         plane = PosturePlane(session.scene)
         over = parsed(picture.draw_path(session.history, session.cursor))
@@ -240,15 +189,6 @@ class TestCurves:
         E = np.log([snapshot.E for snapshot in session.history])
         slope = (y[-1] - y[0]) / (E[-1] - E[0])
         assert slope < 0 and y == pytest.approx(y[0] + slope * (E - E[0]), abs=0.2)
-
-    def test_long_curves_are_thinned_and_keep_their_ends(self, session):
-        history = long_history(session, 3000)
-        html = curves.draw_curves(history, 2999, None, (2, 4))
-        line = path(parsed(html), E_CURVE)
-        x = numbers(line).reshape(-1, 2)[:, 0]
-        assert len(x) <= curves.MAX_VERTICES and x[0] == curves.LEFT
-        assert x[-1] == pytest.approx(curves.LEFT + (424 - curves.RIGHT - curves.LEFT) * 2999 / 4000, abs=0.06)
-        assert len(html.encode()) < 12_000
 
     def test_unknown_E_interrupts_the_line(self, session):
         history = [*session.history[:2], replace(session.history[2], E=np.nan), *session.history[3:]]
@@ -277,16 +217,6 @@ class TestEquations:
         pairs = seen.fundamental
         assert abs(pairs.f[0] @ [*seen.views.demo[3, :2], *seen.views.own[3, :2]] + pairs.f33[0]) < 0.005
 
-    def test_the_terms_of_the_constraint_add_up_to_what_is_said(self, session):
-        first = next(parsed(equations.draw_equations(session.snapshot, 3)).iter(f"{MATHML}math"))
-        words = "".join(first.itertext()).replace("−", "-").replace(" ", "")
-        terms, value = words.split("≈")[1:]
-        found = sum(
-            float(sign + factor) * float(px or 1)
-            for sign, factor, px in re.findall(r"([-+]?)([\d.]+)(?:·(\d+))?", terms)
-        )
-        assert found == pytest.approx(float(value), abs=4 * (0.0005 * 640 + 0.5) + 0.5 + 0.05)
-
 
 class TestStatus:
     def test_what_the_learner_says_knows_no_posture(self, session):
@@ -299,11 +229,6 @@ class TestStatus:
         session.run()
         claim = status.describe(session.snapshot, assessment=assess(session), joints=(2, 4))
         assert claim.state == "converged" and said in claim.sentence
-
-    def test_the_trend_is_the_geometric_mean(self, session):
-        E = (100.0, 50.0, 25.0)
-        history = [replace(session.snapshot, motion=k, E=e, probe=False) for k, e in enumerate(E)]
-        assert "falling by 50 % per step" in status.describe(history[-1], history[:-1]).sentence
 
 
 @pytest.fixture(scope="module")
@@ -329,17 +254,6 @@ class TestEverything:
         for drawing in drawings:
             parsed(drawing)
 
-    def test_names_no_colour(self, drawings):
-        for drawing in [*drawings, theme.DRAWING_CSS]:
-            without_data = re.sub(r'data:[^"]*|url\(#[^)]*\)', "", drawing)
-            assert not re.search(r"#[0-9a-fA-F]{3,8}\b|\brgba?\(|(fill|stroke)=\"(?!none|var|url)", without_data)
-
-    def test_names_only_roles_that_exist(self, drawings):
-        used = {name for drawing in [*drawings, stylesheet()] for name in re.findall(r"var\(--([a-z-]+)", drawing)}
-        places = LAYOUT_CSS + glossary.cards() + current_values({"E": 1.0})
-        sizes = set(re.findall(r"--([a-z-]+):", places))
-        assert {name for name in used if not name.startswith("mantine")} <= set(theme.ROLES) | sizes
-
     def test_writes_a_real_minus(self, drawings):
         for drawing in drawings:
             assert not re.search(r"-\d", "".join(parsed(drawing).itertext()))
@@ -351,20 +265,7 @@ class TestEverything:
         assert parsed(strip)
 
 
-def long_history(session, count):
-    theta = np.stack([np.linspace(0.1, 1.4, count), np.linspace(-0.2, -3.0, count)], -1)
-    E = np.geomspace(500, 2, count)
-    return [replace(session.snapshot, motion=k, theta=theta[k], E=float(E[k]), probe=False) for k in range(count)]
-
-
-def bilinear(values, row, column):
-    i, j = min(int(row), values.shape[0] - 2), min(int(column), values.shape[1] - 2)
-    a, b = row - i, column - j
-    top = (1 - b) * values[i, j] + b * values[i, j + 1]
-    return (1 - a) * top + a * ((1 - b) * values[i + 1, j] + b * values[i + 1, j + 1])
-
-
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(2))
 def test_equations_and_status_survive_the_loss_of_points(seed):
     session = Session(Settings.paper(points=16, missing=0.25, transfer="linear", seed=seed))
     for _ in range(15):

@@ -1,7 +1,7 @@
 """The chosen point's construction, drawn stage by stage."""
 
 import pytest
-from drawn import CHOSEN_POINT, EPIPOLAR_LINE, FROM_LEFT, FROM_RIGHT, IMAGE_L, SPREAD, STEPS, marked, parsed
+from drawn import CHOSEN_POINT, EPIPOLAR_LINE, FROM_LEFT, FROM_RIGHT, IMAGE_L, SPREAD, marked, parsed
 
 from viewimit.analysis.construction import construct
 from viewimit.drawing.images.panel import draw_images
@@ -39,10 +39,3 @@ def test_each_stage_adds_to_the_one_before(stage, rings, lines, ellipses):
         assert [path.get("class") for path in marked(boxes[view], "path", EPIPOLAR_LINE)] == lines
     assert count(boxes, "lr", "path", EPIPOLAR_LINE) == [0, 0]
     assert count(boxes, "LR", "ellipse", SPREAD) == [ellipses] * 2
-
-
-@pytest.mark.parametrize("transfer", ["linear", "rank3", "projective"])
-def test_where_no_lines_are_crossed_none_are_drawn_but_steps_are_carried_over(transfer):
-    steps = [count(drawn(transfer, stage), "lrLR", "path", STEPS) for stage in (0, 1, 2, None)]
-    assert steps == [[0, 0, 0, 0], [1, 1, 0, 0], [1, 1, 1, 1], [1, 1, 1, 1]]
-    assert not any(count(drawn(transfer, None), "lrLR", "path", EPIPOLAR_LINE))

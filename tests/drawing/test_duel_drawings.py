@@ -6,29 +6,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from drawn import (
-    LAYOUT_ONLY_OF_DUELS,
-    LEARNERS_PATH,
-    OPPONENTS_PATH,
-    css,
-    numbers,
     parsed,
-    path,
-    used,
     words,
 )
 from viewimit.app.drawing import duel as duel_drawing
 from viewimit.app.drawing import landscapes
 from viewimit.app.model.player import Duel, Player
-from viewimit.app.static import stylesheet
 
 from viewimit.analysis.minima import study_transfer
 from viewimit.drawing import landscape
-from viewimit.drawing.landscape import SMALL_WIDTH, small_plane
+from viewimit.drawing.landscape import SMALL_WIDTH
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
-PAGE_CSS = stylesheet()
 SEVEN = Settings.paper(joints=tuple(range(1, 8)), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30))
 
 
@@ -63,42 +54,13 @@ def compared(session, found):
     return landscapes.draw_together(drawn)
 
 
-class TestDuel:
-    def test_paths_run_through_the_postures_of_each(self, race):
-        session, duel = race
-        plane, root = small_plane(session.scene, duel_drawing.MAX_HEIGHT), parsed(draw_race(session, duel))
-        for racer, kind in ((session, LEARNERS_PATH), (duel.opponent, OPPONENTS_PATH)):
-            line = path(root, kind)
-            expected = plane.place(np.degrees([moment.theta for moment in racer.history]))
-            assert numbers(line).reshape(-1, 2) == pytest.approx(expected, abs=0.06)
-
-
 class TestTransfers:
-    def test_each_cross_is_a_minimum_between_the_grids_points(self, studied):
-        session, found = studied
-        for one in found:
-            lowest, grid = one.minima.theta[0], one.landscape
-            assert one.minima.E[0] <= np.nanmin(grid.E) and np.abs(lowest - grid.minimum).max() < np.radians(2.5)
-            assert one.bias_deg == pytest.approx(np.degrees(lowest - session.snapshot.theta_demo))
-        assert np.abs(found[-1].bias_deg).max() < 0.01 < np.abs(found[0].bias_deg).max()  # projective: none
-
     def test_nothing_stands_outside_its_column(self, studied):
         session, found = studied
         root = parsed(compared(session, found))
         for column in root.iter("g"):
             for text in column.findall("text"):
                 assert float(text.get("x")) + 5.6 * len(text.text) < SMALL_WIDTH + landscapes.GAP
-
-
-class TestObservability:
-    SPREAD = np.radians([2.0, 1.0, 4.0, np.inf, 9.0])
-
-    def test_bars_are_as_long_as_their_costs(self):
-        bars = [
-            float(bar.get("width"))
-            for bar in parsed(landscape.draw_bars((1, 2, 3, 4, 5), self.SPREAD, 424, 20)).iter("rect")
-        ]
-        assert np.array(bars) / bars[4] == pytest.approx([2 / 9, 1 / 9, 4 / 9, 1, 1], abs=1e-3)
 
 
 def drawings(race, studied):
@@ -120,11 +82,7 @@ def drawings(race, studied):
     yield landscape.draw_observability((1, 2, 3), np.array([1.0, 9.0, np.inf]))
 
 
-def test_drawings_are_valid_name_roles_only_and_write_a_real_minus(race, studied):
+def test_drawings_are_valid_and_write_a_real_minus(race, studied):
     for drawing in drawings(race, studied):
         text = words(drawing)
         assert not re.search(r"-\d|nan", text)
-        without_data = re.sub(r'data:[^"]*|url\(#[^)]*\)', "", drawing)
-        assert not re.search(r"#[0-9a-fA-F]{3,8}\b|\brgba?\(|(fill|stroke)=\"(?!none|var|url)", without_data)
-        names = used(drawing)
-        assert all(css(name) in PAGE_CSS for name in names - LAYOUT_ONLY_OF_DUELS), names

@@ -4,8 +4,8 @@ import re
 
 import numpy as np
 import pytest
-from drawn import NEAREST, marked, parsed
-from viewimit.app.drawing.overlays import MIN_HIT, point_links, point_places, posture_field
+from drawn import parsed
+from viewimit.app.drawing.overlays import MIN_HIT, point_places, posture_field
 
 from viewimit.drawing.images.planes import SIZES, image_windows
 from viewimit.drawing.posture_plane import PosturePlane
@@ -32,14 +32,6 @@ def places():
 
 
 class TestPoints:
-    def test_every_point_is_a_link_in_every_image_and_has_a_name_where_tab_stops(self):
-        root = parsed(point_links(10, False))
-        links = [link for link in root.iter("a") if "point/" in link.get("data-do")]
-        assert {link.get("data-do") for link in links} == {f"point/{i}" for i in range(10)}
-        stops = [link for link in links if link.get("tabindex") is None]
-        assert [link.get("aria-label") for link in stops] == [f"point {i}" for i in range(10)]
-        assert all(link.get("href") == "#" for link in links) and len(marked(root, "circle", NEAREST)) == 40
-
     def test_what_is_not_seen_cannot_be_touched(self, places):
         found, hidden = places
         assert hidden == {"l3", "L3"} and ("r", 3) in found and len(found) == 46

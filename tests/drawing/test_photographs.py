@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from drawn import DEMONSTRATORS_POINTS, HULL, OWN_POINTS, SKELETON, VIEW_NAME, view_name, written_path
+from drawn import DEMONSTRATORS_POINTS, OWN_POINTS, VIEW_NAME, view_name, written_path
 
 from viewimit.drawing.images.panel import draw_images
 from viewimit.drawing.images.planes import image_windows
@@ -54,10 +54,3 @@ def test_a_pixel_of_a_picture_is_where_a_point_seen_there_is_drawn(session, whol
             path = written_path(drawn[view], DEMONSTRATORS_POINTS)
             marks = np.array(re.findall(r"M(-?[\d.]+) (-?[\d.]+)m0-", path), float)
         assert marks == pytest.approx(corner + share * size, abs=0.07)  # drawings have one digit
-
-
-def test_a_picture_is_behind_its_drawing_and_there_is_none_without_one(session):
-    drawn = planes(session, False, PICTURES)
-    for view in VIEWS:
-        assert drawn[view].index("<image") < drawn[view].index(HULL) < drawn[view].index(SKELETON)
-    assert all("<image" not in part for part in planes(session, False, {}).values())

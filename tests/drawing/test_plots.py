@@ -26,12 +26,6 @@ def test_linear_ticks_are_round_and_inside(low, high):
     assert said == pytest.approx(values)
 
 
-@pytest.mark.parametrize("nothing", [-0.0, 0.0, -0.04])
-def test_zero_is_always_written_the_same(nothing):
-    assert svg.filled("%s", np.array([nothing])) == "0.0"
-    assert svg.filled("%s %s", np.array([nothing, 1e6])) == "0.0 1000000.0"
-
-
 def test_numbers_are_the_nearest_tenths_near_and_far_and_not_a_number_too():
     values = np.random.default_rng(0).uniform(-5000, 5000, 500)
     for value, written in zip(values, svg.filled("%s " * len(values), values).split()):

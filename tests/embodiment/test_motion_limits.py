@@ -59,7 +59,7 @@ def require_inside(postures, workspace_deg):
 
 @pytest.mark.parametrize("servo", SERVOS)
 @given(max_step_deg=strategies.floats(2.0, 40.0), seed=strategies.integers(0, 2**16))
-@settings(max_examples=3, deadline=None)
+@settings(max_examples=2)
 def test_an_own_arm_is_never_sent_too_far_nor_out_of_its_workspace(servo, max_step_deg, seed):
     low, high = np.radians(WORKSPACE_DEG).T
     start, shown = np.random.default_rng(seed).uniform(low, high, (2, 3))
@@ -77,7 +77,7 @@ def test_an_own_arm_is_never_sent_too_far_nor_out_of_its_workspace(servo, max_st
 
 @pytest.mark.parametrize("servo", SERVOS)
 @given(max_step_deg=strategies.floats(2.0, 40.0), seed=strategies.integers(0, 2**16), noise_px=strategies.just(0.5))
-@settings(max_examples=3, deadline=None)
+@settings(max_examples=2)
 def test_in_a_scene_the_same_limits_hold(servo, max_step_deg, seed, noise_px):
     low, high = np.array(SCENE_WORKSPACE_DEG).T
     start_deg, shown_deg = np.random.default_rng(seed).uniform(low, high, (2, 2)).round(3)
@@ -180,19 +180,6 @@ def test_points_that_are_out_of_sight_on_the_way_do_not_stop_it():
     last = session.run(200).last
     assert any(moment.transfer is None for moment in session.history) and last.status == "settled"
     np.testing.assert_allclose(last.theta, before.snapshot.theta, atol=1e-9)
-
-
-def test_a_run_in_short_motions_is_repeated_by_its_script():
-    session = Session(changed(max_step_deg=6.0, workspace_deg=SCENE_WORKSPACE_DEG, start_deg=START_DEG))
-    session.run(7)
-    assert session.snapshot.target is not None  # on its way
-    script = msgspec.json.decode(msgspec.json.encode(session.script), type=type(session.script))
-    again = Session()
-    again.play(script)
-    assert again.snapshot.theta.tobytes() == session.snapshot.theta.tobytes()
-    assert again.settings == session.settings
-    one, other = again.run(200).last, session.run(200).last
-    assert one.motion == other.motion and one.theta.tobytes() == other.theta.tobytes()
 
 
 @pytest.mark.parametrize(

@@ -88,19 +88,6 @@ def test_the_arm_is_sent_where_the_learner_wants_and_stands_where_it_says(offset
     assert all(((robot.lower <= theta) & (theta <= robot.upper)).all() for theta in robot.sent)
 
 
-def test_a_past_moment_is_gone_back_to_by_the_arm():
-    robot = Robot()
-    one = session(robot)
-    one.run(5)
-    there = one.history[2]
-    assert one.scrub(2) and one.undo()
-    np.testing.assert_array_equal(robot.sent[-2:], [there.commanded, one.history[1].commanded])
-    sent = len(robot.sent)
-    assert not one.scrub(99) and len(robot.sent) == sent
-    one.reset()
-    np.testing.assert_allclose(robot.sent[-1], robot.start)
-
-
 def test_a_demonstrator_that_has_moved_is_seen_and_imitated_anew():
     robot = Robot()
     one = session(robot)
@@ -109,19 +96,6 @@ def test_a_demonstrator_that_has_moved_is_seen_and_imitated_anew():
     robot.demo = np.radians((60.0, -60.0))
     assert one.look() and one.snapshot.status == "moving"
     assert error_deg(one.run(120).last, robot.demo) < 0.5 and one.snapshot.status == "converged"
-
-
-@pytest.mark.parametrize("servo", ["likelihood", "broyden", "gradient-retuned"])
-def test_a_demonstrator_that_has_moved_is_told_to_the_servo_as_one_that_was_posed(servo):
-    settings, robot = msgspec.structs.replace(ONE, servo=servo, rectify="off"), Robot()
-    one = session(robot, settings)
-    other = Session(msgspec.structs.replace(settings, demonstrator_deg=(45, -90), start_deg=(25, -45)))
-    before = max(session.run(6).last.motion for session in (one, other))
-    robot.demo = np.radians((60.0, -60.0))
-    other.pose(robot.demo)
-    assert one.look() and one.run(10).last.motion == other.run(10).last.motion > before
-    there, here = (np.array([moment.theta for moment in found.history]) for found in (other, one))
-    np.testing.assert_allclose(here, there, atol=1e-7)
 
 
 def test_a_demonstrator_that_keeps_moving_is_followed():

@@ -244,15 +244,6 @@ def test_residuals_of_the_observed_images_have_one_shape_and_make_the_observed_E
     assert len(asking.asked) > 9
 
 
-def test_a_servo_that_asks_for_degrees_is_warned():
-    class Degrees(Still):
-        def step(self, state, seen, residuals):
-            return state, np.array([20.0, 3.0])
-
-    with pytest.warns(UserWarning, match="asks for a motion of .* rad, a turn or more beyond the limits: are these"):
-        Session(Settings.paper(**START), servo=Degrees()).step()
-
-
 def test_a_transfer_that_gives_nan_and_a_class_that_does_not_fit_are_named():
     class Nowhere:
         def recover(self, demo_left, demo_right):

@@ -10,10 +10,9 @@ import pytest
 from scipy.linalg import expm
 
 from viewimit.estimation.residuals import conflict
-from viewimit.experiments.bench import generative
 from viewimit.experiments.bench.cases import COMPARE
 from viewimit.experiments.bench.engine import run_once
-from viewimit.experiments.bench.generative import Generative, Visits, fit, rotations
+from viewimit.experiments.bench.generative import Generative, Visits, fit
 from viewimit.loop.settings import Settings
 from viewimit.servo import Observation
 from viewimit.servo.observation import Visit
@@ -87,15 +86,6 @@ def probes(m):
     return np.cumsum(np.r_[[np.zeros(m)], np.radians(15.0) * np.eye(m)], 0)
 
 
-def test_turns_are_matrix_exponentials():
-    rng = np.random.default_rng(0)
-    axes, angles = rng.normal(size=(4, 3)), rng.uniform(-3, 3, 5)
-    found = rotations(axes, angles)
-    for d, axis in enumerate(axes):
-        for k, angle in enumerate(angles):
-            np.testing.assert_allclose(found[d, k], expm(skew(axis / np.linalg.norm(axis)) * angle), atol=1e-12)
-
-
 @pytest.mark.parametrize("m, seed", [(1, 0), (2, 1), (2, 2), (3, 3), (4, 4)])
 def test_after_one_probe_of_each_joint_and_two_visits_images_of_new_postures_are_recovered(m, seed):
     chain, rng = Chain(m, seed), np.random.default_rng(seed)
@@ -121,29 +111,6 @@ def test_a_fit_leaves_the_noise_and_predicts_better_than_the_images_it_was_given
     new = rng.uniform(-LIMIT, LIMIT, (10, 2))
     error = model.predict(new) - np.stack([chain.images(theta) for theta in new])
     assert np.sqrt((error**2).mean()) < noise
-
-
-def test_points_are_found_to_be_on_their_links_though_their_probes_hardly_moved_them(monkeypatch):
-    """A probe must move a point by 2 px here, so points near an axis look as if they were on the link before."""
-    monkeypatch.setattr(generative, "MOVED_PX", 2.0)
-    chain, rng = Chain(2, 6), np.random.default_rng(6)
-    visits = chain.visits([*probes(2), *rng.uniform(-LIMIT, LIMIT, (3, 2))])
-    first = next(generative.initial_models(visits, 0.0, rng))
-    assert 1 <= np.count_nonzero(first.link != chain.link) <= 5
-    np.testing.assert_array_equal(fit(visits, 0.0, None).link, chain.link)
-
-
-def test_a_point_that_both_cameras_never_saw_at_once_is_unknown_and_the_others_are_recovered():
-    chain, rng = Chain(2, 7), np.random.default_rng(7)
-    postures = [*probes(2), *rng.uniform(-LIMIT, LIMIT, (5, 2))]
-    seen = rng.uniform(size=(len(postures), len(chain.link), 2)) < 0.8
-    seen[:4, :, :] |= rng.uniform(size=(4, len(chain.link), 1)) < 0.7
-    seen[:, 3, 1] = False
-    visits = chain.visits(postures, seen)
-    assert not visits.known[3] and visits.known[np.arange(len(chain.link)) != 3].all()
-    model, new = fit(visits, 0.0, None), rng.uniform(-LIMIT, LIMIT, (6, 2))
-    error = (model.predict(new) - np.stack([chain.images(theta) for theta in new]))[:, visits.known]
-    assert np.sqrt(np.median(error**2)) < 0.1
 
 
 @pytest.mark.parametrize("m, seed", [(2, 11), (3, 12), (4, 13)])

@@ -4,33 +4,34 @@ import io
 import os
 import threading
 import time
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from PIL import Image
-from viewimit.app.jobs.camera_child import MOST_SCENES, Scenes, answering
-from viewimit.app.jobs.camera_images import MOST_LOOKS, CameraLost, CameraProcess, RemoteEyes, SessionEyes
-from waiting import stays, wait_until
+from viewimit.app.jobs.camera_child import MOST_SCENES, serve
+from viewimit.app.jobs.camera_images import CameraLost, CameraProcess, eyes_beside
+from waiting import wait_until
 
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import extended, load_scene
 
 
 class OddEyes:
-    """own_images tells what was looked at before; settle does as it is told."""
+    """own_images tells what was looked at before; demo_images does as it is told."""
 
-    noise_px = 0.25
+    made = 0
 
     def __init__(self, scene):
-        self.scene, self.rest = scene, {"LR": "rest"}
-        self.theta = dict(self.rest)
+        OddEyes.made += 1
+        self.scene, self.number, self.theta = scene, OddEyes.made, {}
         self.pictures = {view: np.zeros((4, 8, 3), np.uint8) for view in "lrLR"}
 
     def own_images(self, theta):
-        before, self.theta["LR"] = self.theta["LR"], theta
-        return self.scene, before
+        before, self.theta = self.theta["LR"], self.theta | {"LR": theta}
+        return self.scene, self.number, before
 
-    def settle(self, wish):
+    def demo_images(self, wish):
         if wish == "refuse":
             raise ValueError("it cannot be")
         if wish == "fail":
@@ -41,131 +42,75 @@ class OddEyes:
 
 
 def odd_work(connection):
-    answer = answering(OddEyes)
-    while True:
-        told = answer(*connection.recv())
-        if told is not None:
-            connection.send(told)
+    serve(connection, OddEyes, 0.3)
 
 
 @pytest.fixture
 def camera():
-    process = CameraProcess(unused_s=0.1, work=odd_work)
+    process = CameraProcess(odd_work)
     yield process
     process.stop()
     assert not process.running
 
 
-def test_sessions_of_one_scene_share_eyes_but_not_what_they_looked_at(camera):
-    (one, noise), (other, _) = camera.open("scene"), camera.open("scene")
-    assert noise == OddEyes.noise_px
-    asked = [(one, "a"), (other, "b"), (one, "c"), (other, "d")]
-    answers = [camera.ask(key, "own_images", theta)[0] for key, theta in asked]
-    assert answers == [("scene", "rest"), ("scene", "rest"), ("scene", "a"), ("scene", "b")]
-    camera.open("another", one)  # in place of what it had
-    assert camera.ask(one, "own_images", "e")[0] == ("another", "rest")
-    assert camera.ask(other, "own_images", "f")[0] == ("scene", "d")
-    pictures = camera.ask(other, "own_images", "g")[1]
-    assert [Image.open(io.BytesIO(picture)).size for picture in pictures] == [(8, 4)] * 2
-    assert camera.ask(other, "settle", 0)[1] == ()
+def test_a_look_depends_on_nothing_but_what_it_says_and_few_scenes_are_kept(camera):
+    for scene in [*range(MOST_SCENES), MOST_SCENES, MOST_SCENES, 0]:
+        images, pictures, theta = camera.look(scene, {"LR": "before", "lr": "there"}, "LR", "now")
+        assert images[0] == scene and images[2] == "before" and theta == {"LR": "now", "lr": "there"}
+        assert [Image.open(io.BytesIO(picture)).size for picture in pictures] == [(8, 4)] * 2
+    assert images[1] == MOST_SCENES + 2  # the first scene was made again, the last one was kept
 
 
 def test_what_cannot_be_is_refused_and_a_fault_is_told_and_both_are_survived(camera, capfd):
-    key, _ = camera.open("scene")
     with pytest.raises(ValueError, match="it cannot be"):
-        camera.ask(key, "settle", "refuse")
+        camera.look("scene", {}, "lr", "refuse")
     with pytest.raises(RuntimeError, match="ZeroDivisionError: a fault"):
-        camera.ask(key, "settle", "fail")
-    assert camera.ask(key, "own_images", "a")[0] == ("scene", "rest")
+        camera.look("scene", {}, "lr", "fail")
+    assert camera.look("scene", {}, "lr", 0)[0] is None
 
 
-def test_who_loses_the_process_is_told_and_the_next_begins_another(camera):
-    (one, _), (other, _) = camera.open("scene"), camera.open("scene")
-    with pytest.raises(CameraLost):
-        camera.ask(one, "settle", "die")
-    with pytest.raises(CameraLost):
-        camera.ask(other, "own_images", "a")
-    key, _ = camera.open("scene", one)
-    assert camera.ask(key, "own_images", "b")[0] == ("scene", "rest")
-
-
-def test_it_ends_when_nobody_looks_any_more_and_only_then(camera):
-    (one, _), (other, _) = camera.open("scene"), camera.open("scene")
-    camera.close(one)
-    stays(lambda: camera.running, 0.3)  # three times as long as without anybody
-    camera.close(other)
+def test_it_ends_when_nobody_looks_and_another_begins_with_the_next_look_or_tells_that_it_was_lost(camera):
+    camera.look("scene", {}, "lr", 0)
     wait_until(lambda: not camera.running)
     with pytest.raises(CameraLost):
-        camera.ask(other, "own_images", "a")
-    camera.open("scene")
-    assert camera.running
+        camera.look("scene", {}, "lr", "die")
+    assert camera.look("scene", {}, "lr", 0)[0] is None
 
 
 def test_stopping_ends_whoever_waits_for_an_answer(camera):
-    key, _ = camera.open("scene")
     told = []
 
     def ask():
         try:
-            camera.ask(key, "settle", 600)
+            camera.look("scene", {}, "lr", 600)
         except CameraLost as lost:
             told.append(lost)
 
     waiting = threading.Thread(target=ask)
     waiting.start()
-    time.sleep(0.1)
+    wait_until(lambda: camera.running)
     camera.stop()
     waiting.join(5)
     assert len(told) == 1 and not camera.running
     with pytest.raises(CameraLost):
-        camera.open("scene")
-
-
-def test_eyes_of_few_scenes_are_kept():
-    made = []
-    scenes = Scenes(lambda scene: made.append(scene) or [scene])
-    for scene in [*range(MOST_SCENES), 0, MOST_SCENES, 0, 1]:
-        assert scenes.eyes(scene) == [scene]
-    assert made == [*range(MOST_SCENES), MOST_SCENES, 1]  # 1 was looked at least recently when the last one came
-
-
-def test_pictures_are_kept_for_a_while_by_what_they_show():
-    asked = []
-    eyes = RemoteEyes(lambda what, theta: asked.append(what) or (None, (b"left", b"right")), load_scene("panda"), 0.1)
-
-    class Moment:
-        theta, theta_demo = np.array([0.1, -0.2]), np.array([0.3, -0.4])
-
-    assert eyes.pictures(Moment) == {}
-    eyes.own_images(Moment.theta)
-    assert eyes.pictures(Moment) == {"L": b"left", "R": b"right"}
-    eyes.retake(Moment)
-    assert asked == ["own_images", "demo_images"]  # what is kept is not taken again
-    for k in range(MOST_LOOKS - 1):
-        eyes.own_images(np.array([k, 0.0]))
-    assert set(eyes.pictures(Moment)) == {"l", "r"}
+        camera.look("scene", {}, "lr", 0)
 
 
 def test_no_page_has_pictures_rendered_that_all_others_would_wait_for():
-    opened = []
-    process = SimpleNamespace(open=lambda scene, key: opened.append(scene) or (1, 0.08), close=lambda key: None)
     sized = lambda width: extended(load_scene("panda"), {"head": {"image": [width, 720]}})
-    eyes = SessionEyes(process)
-    assert eyes("rendered", sized(1280), 10).world.scene == sized(1280) and opened == [sized(1280)]
+    opened = eyes_beside(CameraProcess())
+    assert opened("rendered", sized(1280), 10).world.scene == sized(1280)
     with pytest.raises(ValueError, match="1281 × 720 px are too large"):
-        eyes("rendered", sized(1281), 10)
-    assert eyes("projected", sized(10_000), 10) and not opened[1:]
+        opened("rendered", sized(1281), 10)
+    assert opened("projected", sized(10_000), 10)
 
 
 def test_a_session_beside_others_repeats_one_in_this_process_to_the_last_bit():
-    from viewimit.loop.session import Session
-    from viewimit.loop.settings import Settings
-
     pictured = {name: getattr(Settings(), name) for name in ("transfer", "servo")} | {"sensor": "rendered"}
     alone = Session(Settings.paper(**pictured))
     camera = CameraProcess()
     beside = [
-        Session(Settings.paper(**pictured, start_deg=start), open_eyes=SessionEyes(camera))
+        Session(Settings.paper(**pictured, start_deg=start), open_eyes=eyes_beside(camera))
         for start in ((25, -25), (60, -120))
     ]
     for _ in range(3):

@@ -14,7 +14,6 @@ import zipfile
 
 import numpy as np
 import pytest
-from viewimit.app.jobs.child import Progress
 from viewimit.app.jobs.experiments import ExperimentWorker, Request
 from waiting import wait_until
 
@@ -154,17 +153,6 @@ def test_one_at_a_time_in_the_order_asked_and_a_page_that_leaves_makes_room(work
     assert told[1].states == ["waiting", "running"] and told[2].states == ["waiting", "cancelled"]
 
 
-def test_stopping_leaves_no_process(tmp_path, monkeypatch):
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    worker, told = ExperimentWorker(), Told()
-    worker.ask(1, LONG, told)
-    worker.ask(2, SHORT, Told())
-    running_pid(told)
-    worker.stop()
-    assert processes() == [] and list(tmp_path.iterdir()) == []
-    assert told[-1].state == "running"  # nobody is left to be told
-
-
 def test_the_process_is_polite_and_loads_nothing_of_the_page(worker):
     told = Told()
     worker.ask(1, LONG, told)
@@ -176,16 +164,3 @@ def test_the_process_is_polite_and_loads_nothing_of_the_page(worker):
         command = [sys.executable, "-I", "-c", f"import {module}, sys; print(*sys.modules)"]
         loaded = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
         assert module in loaded and not unwanted & set(loaded)
-
-
-def test_no_more_is_told_than_a_page_can_show_and_the_newest_result_is_drawn():
-    told, now = [], [0.0]
-    progress = Progress(lambda **news: told.append((now[0], news)), str, lambda: now[0])
-    for now[0], share, partial in [
-        (0.0, 0.0, "a"), (0.05, 0.1, "b"), (0.1, 0.2, "c"), (0.4, 0.3, None), (0.9, 0.4, None), (9.0, 1.0, "all"),
-    ]:  # fmt: skip
-        progress.tell(share, partial)
-    assert told == [
-        (0.0, {"share": 0.0, "figure": "a"}), (0.4, {"share": 0.3, "figure": "c"}), (0.9, {"share": 0.4}),
-        (9.0, {"share": 1.0}),
-    ]  # fmt: skip

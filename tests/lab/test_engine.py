@@ -1,4 +1,4 @@
-"""The lab's engine computes what the library computes, in Node and in Chromium.
+"""The lab's engine computes what the library computes, in Node, and with `-m slow` in Chromium, too.
 
 Python asks all questions at once, of one run of each, and compares the answers with its own.
 """
@@ -19,7 +19,7 @@ from viewimit.geometry.affine import MIN_POINTS, fit_affine_fundamental
 HERE = Path(__file__).parent
 ENGINE = HERE.parent.parent / "app" / "lab" / "engine"
 SCENES = "panda", "iiwa", "panda-facing", "panda-toed"
-LOOKS, STARTS, ILL_STARTS = 50, 30, 8  # of each scene
+LOOKS, ILL_STARTS = 50, 8  # of each scene
 WELL_POSED = "panda", "iiwa"  # in the other scenes epipolar lines are often nearly parallel
 # Motions: until Broyden rests, and the retuned law says that E no longer falls; the paper's is chaotic after some 140
 LAWS = {"broyden": 400, "gradient-retuned": 1000, "gradient": 100}
@@ -75,14 +75,20 @@ def postures(scenes):
     return lambda name, inset=0.0: rng.uniform(scenes[name].lower + inset, scenes[name].upper - inset).round(6).tolist()
 
 
+@pytest.fixture(scope="module", params=[5, pytest.param(30, marks=pytest.mark.slow)])
+def starts(request):
+    """How many in each well-posed scene."""
+    return request.param
+
+
 @pytest.fixture(scope="module")
-def runs(scenes, postures):
-    """60 of each law from the same starts; some in scenes where E is ill-conditioned, with a demonstrator that moves,
+def runs(scenes, postures, starts):
+    """Of each law from the same starts; some in scenes where E is ill-conditioned, with a demonstrator that moves,
     with noise and lost points."""
     found = []
     for name, scene in scenes.items():
         well_posed = name in WELL_POSED
-        for k in range(STARTS if well_posed else ILL_STARTS):
+        for k in range(starts if well_posed else ILL_STARTS):
             demonstrator = np.radians(scene.posture_deg)[scene.moving].tolist() if well_posed else postures(name, 0.3)
             start = postures(name, INSIDE)
             for law, motions in LAWS.items() if well_posed else [("broyden", LAWS["broyden"])]:
@@ -143,10 +149,10 @@ def in_chromium(asked, request):
     return found
 
 
-PLACES = [pytest.param(in_node, id="node"), pytest.param(in_chromium, id="chromium", marks=pytest.mark.browser)]
+IN_CHROMIUM = pytest.param(in_chromium, id="chromium", marks=[pytest.mark.browser, pytest.mark.slow])
 
 
-@pytest.fixture(scope="module", params=PLACES)
+@pytest.fixture(scope="module", params=[pytest.param(in_node, id="node"), IN_CHROMIUM])
 def found(request, asked):
     return request.param(asked, request)
 
@@ -210,9 +216,9 @@ def test_fundamental_matrices_and_epipolar_lines(found, expected):
 
 
 @pytest.mark.parametrize("kind", [*LAWS, "ill", "moved", "spoilt"])
-def test_runs_have_equal_postures_length_and_status(found, runs, expected_runs, kind):
+def test_runs_have_equal_postures_length_and_status(found, runs, expected_runs, starts, kind):
     chosen = [k for k, run in enumerate(runs) if run.kind == kind]
-    assert len(chosen) >= (2 * STARTS if kind in LAWS else 4)
+    assert len(chosen) >= (2 * starts if kind in LAWS else 4)
     for k in chosen:
         mine, (theta, status) = found["runs"][k], expected_runs[k]
         both = min(len(mine["theta"]), len(theta))

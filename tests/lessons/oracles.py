@@ -210,12 +210,13 @@ def carried_to(situation: Situation, back_m: float, sideways_m: float, turned_de
     scene = situation.scene
     base, gaze = scene.demonstrator, scene.head.gaze_demonstrator
     moved = np.array([back_m, sideways_m, 0.0])
-    return situation.with_scene(
-        {
+    return replace(
+        situation,
+        scene_fields={
             **situation.scene_fields,
             "demonstrator": {"position": (base.position + moved).tolist(), "yaw_deg": base.yaw_deg + turned_deg},
             "head": {**situation.scene_fields.get("head", {}), "gaze_demonstrator": (gaze + moved).tolist()},
-        }
+        },
     )
 
 

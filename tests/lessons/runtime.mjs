@@ -4,11 +4,10 @@ import {pathToFileURL} from "node:url";
 
 const from = name => import(pathToFileURL(path.join(process.argv[2], name)).href);
 const {shuffledOrder, Stage} = await from("stage.js");
-const {isAnswered, isRight, reply, rightChoice} = await from("answers.js");
+const {isAnswered, isRight, reply} = await from("answers.js");
 const {fill, measure} = await from("measures.js");
 const {distance} = await from("measured.js");
 const {gain, orderOf, outcome, rightOf} = await from("questions.js");
-const {solution} = await from("solution.js");
 
 let text = "";
 for await (const part of process.stdin) text += part;
@@ -17,15 +16,7 @@ const of = (id, how) => new Stage(page, steps.find(step => step.id === id), how)
 const said = stage => ({answered: isAnswered(stage), right: isRight(stage), reply: fill(reply(stage), stage)});
 const DEGREE = Math.PI / 180, found = {};
 
-const choice = of("choice");
-found.unanswered = said(choice);
-found.rightChoice = rightChoice(choice);
-found.choices = [0, 1, 2].map(k => (choice.answer = {choice: k}, said(choice)));
-choice.answer = {choice: 1, shown: true};
-found.shown = said(choice);
-
 const place = of("place"), truth = measure(place, "the place").value;
-found.truth = truth;
 found.places = [[truth[0] + 3, truth[1]], [truth[0] + 60, truth[1]]].map(mark => (place.mark = mark, {...said(place), apart: measure(place, "distance in px")}));
 place.step.ask.elsewhere = [{truth: "the place", near: 5, because: "There."}];
 place.mark = [truth[0] + 4, truth[1]];
@@ -36,16 +27,9 @@ const number = of("number"), E = measure(number, "E").value;
 found.numbers = [E * 1.4, E / 1.6, E * 1.6].map(value => (number.answer = {number: value}, said(number)));
 
 const servo = of("servo", {seed: 4});
-found.sampled = {index: servo.step.samples.findIndex(({state}) => state.start === servo.state.start), goal: servo.goal, count: servo.step.samples.length};
 servo.slide("own 1", 33);
-found.slid = servo.moment.theta[0] / DEGREE;
 servo.move([40 * DEGREE, -100 * DEGREE]);
 servo.move(servo.state.demonstrator);
-found.motions = servo.motions.map(({theta, E: energy}) => [...theta.map(v => v / DEGREE), energy]);
-const solved = of("servo", {seed: 4}), before = [...solved.moment.theta], solving = solution(solved);
-found.left = before.every((v, k) => Math.abs(v - solved.moment.theta[k]) < 1e-9);
-for (const [name, value] of solving) solved.slide(name, value);
-found.solvedE = solved.moment.E;
 const bowl = of("bowl", {previous: servo});
 found.carried = {seed: bowl.seed, motions: bowl.motions.length, demonstrator: bowl.state.demonstrator.every((v, k) => v === servo.state.demonstrator[k]), goal: bowl.goal, at: bowl.moment.theta.map(v => v / DEGREE)};
 bowl.unit = "rad";
@@ -67,19 +51,10 @@ found.alike = apart.moment.theta.map((v, k) => (v - apart.moment.thetaDemo[k]) /
 apart.slide("demo 2", -90);
 found.demo = apart.moment.thetaDemo[1] / DEGREE;
 
-const bet = of("bet");
-found.bets = [80, 20, 55].map(value => (bet.answer = {bet: value}, {...said(bet), penalty: measure(bet, "penalty").text}));
-found.runs = bet.runs;
-
 found.orders = Array.from({length: 200}, (_, person) => orderOf({answers: [1, 2, 3, 4]}, 3, person, "before"));
 found.orderAgain = [orderOf({answers: [1, 2, 3, 4]}, 3, 12, "before"), shuffledOrder(4, 12 * 64 + 6)];
 const questions = page.lessons[0].questions, all = count => Object.fromEntries(questions.map(({id}, k) => [id, {answer: 0, right: k < count, sure: true, seconds: 1}]));
 found.gains = [gain(4, 7, 8), gain(8, 8, 8), gain(4, 2, 8), rightOf(questions, all(5))];
 found.outcomes = [outcome(questions, all(4), all(7)), outcome(questions, all(8), all(8)), outcome(questions, all(4), {})];
 
-const {playedOnly} = await from("card.js");
-const race = "Steps to the goal: you {your motions to the goal}, Broyden {motions of Broyden}. Hollow marks are tests.";
-const unplayed = of("bowl", {previous: of("servo", {seed: 4})});
-found.played = [unplayed, bowl].map(stage => playedOnly(race, stage));
-found.unplayedSentence = playedOnly("You needed {your motions to the goal} steps. E is {E}.", unplayed);
 process.stdout.write(JSON.stringify(found));

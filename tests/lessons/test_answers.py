@@ -6,7 +6,7 @@ import numpy as np
 import oracles
 import pytest
 from viewimit.app.lab.lessons import facts, records, sign, step_data
-from viewimit.app.lab.lessons.format import Choice, Number
+from viewimit.app.lab.lessons.format import Choice
 from viewimit.app.lab.lessons.situation import Situation
 from viewimit.app.lab.lessons.source import questions, shipped
 
@@ -265,7 +265,10 @@ CHOICES = {key: step.ask.answers for key, (_, step) in STEPS.items() if isinstan
 CHOICES |= {f"questions/{item.id}": item.answers for item in questions().item}
 
 
-@pytest.mark.parametrize("key", CHOICES)
+SLOW = {"tour/feel"}  # many runs of three servos
+
+
+@pytest.mark.parametrize("key", [pytest.param(k, marks=[pytest.mark.slow] if k in SLOW else []) for k in CHOICES])
 def test_the_right_answer_is_computed(key):
     """A measure of the library that says which one is right needs no other: test_facts.py has its oracle."""
     ask = STEPS[key][1].ask if key in STEPS else None
@@ -273,11 +276,3 @@ def test_the_right_answer_is_computed(key):
     right = round(float(facts.FACTS[measure].of(state(key)))) - 1 if measure in facts.FACTS else RIGHT[key]()
     marked = [k for k, answer in enumerate(CHOICES[key]) if answer.right or answer.because.startswith("Right")]
     assert marked == [right]
-
-
-@pytest.mark.parametrize("key", [key for key, (_, step) in STEPS.items() if isinstance(step.ask, Number)])
-def test_a_number_that_is_asked_for_is_on_its_scale(key):
-    ask = STEPS[key][1].ask
-    for situation in sampled(key) or [state(key)]:
-        if ask.truth in facts.FACTS:
-            assert ask.low < float(facts.FACTS[ask.truth].of(situation)) < ask.high

@@ -1,7 +1,11 @@
-"""A lesson file: each fault is named with file, line and field, and with the names that exist."""
+"""A lesson file: each fault is named with file, line and field, and with the names that exist; shipped ones have none,
+and the example of the documentation is one."""
+
+import re
+from pathlib import Path
 
 import pytest
-from viewimit.app.lab.lessons import source
+from viewimit.app.lab.lessons import checks, source
 
 from viewimit.commands.cli import main
 
@@ -64,7 +68,7 @@ FAULTS = {  # a file, the line, the field, a part of what is said
         ask(PLACE.replace('"L"', '"R"')), 16, "step[0].ask.figure", "none of the step's main figures, L"
     ),
     "no measure of a place": (ask(PLACE.replace("recovered in", "in")), 17, "step[0].ask.truth", "no measure 'in L'"),
-    "near nothing": (ask(PLACE.replace("near = 5", "near = 0")), 18, "step[0].ask.near", "above 0"),
+    "near nothing": (ask(PLACE.replace("near = 5", "near = 0")), 18, "step[0].ask.near", "`float` > 0"),
     "a line alone": (ask(PLACE + 'line = "E"\n'), 13, "step[0].ask", "line and on_line need each other"),
     "elsewhere": (
         ask(PLACE + '[[step.ask.elsewhere]]\ntruth = "x"\nnear = 1\nbecause = "c"\n'),
@@ -84,7 +88,7 @@ FAULTS = {  # a file, the line, the field, a part of what is said
         11, "step[0].sliders", "knob 1 and knob 2",
     ),
     "too many bets": (
-        ask('kind = "bet"\nquestion = "?"\ntruth = "within 1°"\ntimes = 99\n'), 17, "step[0].ask.times", "from 1 to 20"
+        ask('kind = "bet"\nquestion = "?"\ntruth = "within 1°"\ntimes = 99\n'), 17, "step[0].ask.times", "`int` <= 20"
     ),
     "a slider": (
         LESSON.replace("chosen = 2", SLIDERS).replace("start = 20", "start = 99"),
@@ -105,12 +109,6 @@ def test_a_fault_is_named_with_its_line_and_field(name, tmp_path):
     assert said in what, what
 
 
-def test_the_file_itself_has_no_fault(tmp_path):
-    path = tmp_path / "mine.toml"
-    path.write_text(LESSON, "utf-8")
-    assert source.load(path, tried=True).step[0].id == "first"
-
-
 @pytest.mark.parametrize(
     ("changed", "field", "said"),
     [
@@ -125,15 +123,6 @@ def test_what_a_scene_does_not_have_is_named_before_anybody_is_taught(changed, f
     assert main(["lab", "--lesson", str(path), "--out", str(tmp_path / "mine.html")]) == 2
     told = capsys.readouterr().err
     assert told.startswith(f"viewimit lab: --lesson: {path}, line 11: {field}: ") and said in told
-
-
-def test_a_changed_file_is_another_lesson(tmp_path):
-    path = tmp_path / "My lesson.toml"
-    names = []
-    for about in ("About.", "Other."):
-        path.write_text(LESSON.replace("About.", about), "utf-8")
-        names += source.own([path])
-    assert names[0] != names[1] and all(name.startswith("my-lesson-") for name in names)
 
 
 @pytest.mark.parametrize(
@@ -153,11 +142,19 @@ def test_a_file_that_is_no_lesson_is_refused(data, said, tmp_path):
     assert said in str(caught.value)
 
 
-def test_an_unknown_lesson_is_answered_with_the_names_that_exist(capsys, tmp_path):
-    assert main(["lab", "--lesson", "tuor", "--out", str(tmp_path / "a.html")]) == 2
-    assert "no lesson 'tuor'; there are ray, tour, limits, jacobian, motion, sign" in capsys.readouterr().err
+@pytest.mark.parametrize("name", source.shipped())
+def test_a_shipped_lesson_has_no_fault_in_its_scenes_either(name):
+    assert not list(checks.faults_in_scenes(source.shipped()[name]))
 
 
-def test_a_lesson_brings_its_own_scene(capsys, tmp_path):
-    assert main(["lab", "--lesson", "tour", "--scene", "iiwa", "--out", str(tmp_path / "a.html")]) == 2
-    assert "--lesson" in capsys.readouterr().err
+def test_the_example_of_the_documentation_is_a_lesson_and_its_fault_is_named_as_the_page_shows_it(tmp_path):
+    documented = (Path(__file__).parents[2] / "docs" / "teach" / "lesson-format.md").read_text("utf-8")
+    (example,) = re.findall(r"```toml\n(.*?)```", documented, re.S)
+    path = tmp_path / "mine.toml"
+    path.write_text(example, "utf-8")
+    assert source.load(path, tried=True).step[0].id == "whose"
+    path.write_text(example.replace('["own points"]', '["owned"]'), "utf-8")
+    with pytest.raises(ValueError) as caught:
+        source.load(path)
+    shown = "mine.toml, line 10: step[0].main[0].show: no layer of L 'owned'; there are own points"
+    assert shown in str(caught.value) and shown in documented

@@ -8,7 +8,7 @@ import numpy as np
 import oracles
 import pytest
 import typescript
-from viewimit.app.lab.lessons import circle, records, sign
+from viewimit.app.lab.lessons import circle, records
 from viewimit.app.lab.lessons.source import shipped
 from viewimit.app.lab.lessons.step_data import situation_of, step_data
 
@@ -146,7 +146,7 @@ def test_hands_are_as_far_apart_as_the_library_says(found):
 
 
 def test_bets_cost_what_brier_says(found):
-    runs = sign.runs_record()
+    runs = step_data(*_step("sign/sign"))[1]["records"]["runs"]
     bet = [k for k, each in enumerate(BETS) if each is not None]
     holds = [runs[k]["holds"] for k in bet]
     own = [runs[k]["certificate"] if runs[k]["certificate"] is not None else NO_CLAIM_BET for k in bet]

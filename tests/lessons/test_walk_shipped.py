@@ -4,7 +4,6 @@ import re
 from math import hypot, radians
 
 import pytest
-from browsing import sparing
 from viewimit.app.lab.lessons.page import lesson_page
 from viewimit.app.lab.lessons.source import ORDER, shipped
 from waiting import wait_until
@@ -30,7 +29,7 @@ def opened(browser, folder):
     contexts, faults = [], []
 
     def open_(name, **options):
-        contexts.append(sparing(browser.new_context(reduced_motion="reduce", **options)))
+        contexts.append(browser.new_context(reduced_motion="reduce", **options))
         page = contexts[-1].new_page()
         page.on("pageerror", lambda error: faults.append(str(error)))
         page.on("console", lambda said: faults.append(said.text) if said.type in ("error", "warning") else None)

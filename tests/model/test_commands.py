@@ -8,7 +8,7 @@ from viewimit.app.commands import COMMANDS
 from viewimit.app.jobs.experiments import Run
 from viewimit.app.model.choices import AS_STARTED, OF_ARMS, OF_IMAGES, PRESETS, joint_choices, presets_from
 from viewimit.app.model.keeping import tab_link
-from viewimit.app.model.queue import PENDING_LIMIT, CommandQueue, JobResult, Rejected
+from viewimit.app.model.queue import PENDING_LIMIT, CommandQueue
 
 from viewimit.experiments import EXPERIMENTS
 from viewimit.loop.settings import Settings
@@ -57,15 +57,6 @@ def test_what_the_command_line_asked_for_is_a_preset_of_its_own(page):
     assert list(presets_from(PRESETS[2].settings)) == [PRESETS[2].name, *(p.name for p in PRESETS if p != PRESETS[2])]
 
 
-@pytest.mark.parametrize("name, amount", AMOUNTS.items())
-def test_a_slider_shows_what_it_has_asked_for(page, name, amount):
-    session, _, _, visitor = page
-    for value in np.arange(amount.low, amount.high + amount.step / 2, amount.step):
-        visitor.set(name, float(value))
-        assert amount.shown(session.settings) == pytest.approx(value, abs=1e-9)
-    assert amount.shown(Settings.paper()) == max(amount.low, 0)  # none of it
-
-
 @pytest.mark.parametrize("scene, layout", [("panda", 16), ("iiwa", 10)])
 def test_joints_are_freed_with_a_layout_for_them_and_held_again(page, scene, layout):
     session, _, model, visitor = page
@@ -107,10 +98,6 @@ def test_a_resting_loop_wakes_when_the_demonstrator_moves(page):
     assert np.abs(np.degrees(session.snapshot.theta - session.snapshot.theta_demo)).max() < 5
 
 
-def said(taken):
-    return [(one.command.name, *one.arguments) for one in taken]
-
-
 def test_the_queue_keeps_the_newest_value_and_every_action_up_to_a_limit():
     queue = CommandQueue(COMMANDS)
     for value in range(1000):
@@ -123,44 +110,6 @@ def test_the_queue_keeps_the_newest_value_and_every_action_up_to_a_limit():
     assert values == {0: 999, 1: -3} and names[0] == "pose_joint" and len(taken) <= PENDING_LIMIT + 1
     assert 1 <= names.count("step") <= PENDING_LIMIT
     assert queue.take() == []
-
-
-def test_values_of_one_control_are_one_and_stand_where_the_newest_was_put():
-    queue = CommandQueue(COMMANDS)
-    a, b = PRESETS[0].name, PRESETS[1].name
-    for command in (
-        call("preset", a),
-        call("pose_joint", 0, 1.0),
-        call("pose_joint", 1, 2.0),
-        call("pose_joint", 0, 3.0),
-        call("preset", b),
-    ):
-        queue.put(command)
-    assert said(queue.take()) == [("pose_joint", 1, 2.0), ("pose_joint", 0, 3.0), ("preset", b)]
-
-
-def test_nothing_overtakes_what_it_may_depend_on():
-    """A preset sets the speed, so that a speed chosen after it comes after it; before it, it need not wait."""
-    point, preset, speed, play = (
-        call("choose_point", 1),
-        call("preset", PRESETS[0].name),
-        call("speed", "1 a second"),
-        call("play"),
-    )
-    queue = CommandQueue(COMMANDS)
-    for command in (point, preset, speed, play):
-        queue.put(command)
-    assert queue.take_order_independent() == [point, play]  # pausing is never too early
-    assert queue.take() == [preset, speed]
-
-
-def test_bad_values_of_one_control_push_nothing_out():
-    queue, reset = CommandQueue(COMMANDS), call("reset")
-    queue.put(reset)
-    for k in range(2 * PENDING_LIMIT):
-        queue.call("seed", f"no number {k}", sender="seed")
-    first, second = queue.take()
-    assert first is reset and isinstance(second, Rejected)
 
 
 def test_what_a_person_did_is_done_in_that_order(page):
@@ -182,15 +131,6 @@ def test_what_a_person_did_is_done_in_that_order(page):
     assert posture_after(call("reset"), moved, call("step"))[1] == 1
     assert np.degrees(posture_after(moved, preset)[0]) == pytest.approx(45)
     assert np.degrees(posture_after(preset, moved)[0]) == pytest.approx(70)
-
-
-def test_of_what_a_worker_makes_of_a_kind_the_newest_arrives():
-    queue, arrived = CommandQueue(COMMANDS), []
-    for kind, made in (("landscape", 1), ("duel", 2), ("landscape", 3)):
-        queue.put(JobResult(kind, arrived.append, made))
-    for command in queue.take():
-        command.apply(None, 0.0)
-    assert arrived == [2, 3]
 
 
 @pytest.fixture

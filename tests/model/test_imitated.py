@@ -49,19 +49,3 @@ def test_points_are_recovered_by_the_transfer_that_was_frozen(model):
     assert np.allclose(seen.recovered, frozen.recover(demo[:, :2], demo[:, 2:]))
     assert seen.E == pytest.approx(((own - seen.recovered) ** 2).sum() / (2 * len(own)))
     assert not np.allclose(seen.recovered, model.session.observe(seen.theta, seen).recovered)
-
-
-@pytest.mark.parametrize("ends", ["step", "dismiss", "imitation"])
-def test_it_ends_by_a_motion_by_escape_and_by_its_button(model, ends):
-    call(ends).apply(model, BEGUN + STEP_S)
-    assert model.refresh(BEGUN + STEP_S).playback is None
-
-
-def test_it_is_not_seen_in_another_world(model):
-    model.display.playback.stop()
-    model.undoable.change(points=16)
-    with pytest.raises(ValueError, match="other points"):
-        call("imitation").apply(model, BEGUN)
-    model.experiments.chosen = "fig7"
-    with pytest.raises(ValueError, match="no imitation"):
-        call("imitation").apply(model, BEGUN)

@@ -2,8 +2,7 @@
 
 import pytest
 from page_fakes import Hands, quiet_model
-from quiet_page import QuietPage
-from viewimit.app.model.choices import AS_STARTED, PRESETS
+from viewimit.app.model.choices import PRESETS
 from viewimit.app.model.editing import MAX_ENTRIES
 
 from viewimit.loop.settings import Settings
@@ -70,28 +69,6 @@ def test_motions_that_others_took_the_place_of_can_be_gone_back_to(visit, loss):
     assert model.session.snapshot is other[5]
 
 
-def test_nothing_is_kept_where_nothing_is_lost(visit):
-    model, visitor = visit
-    visitor.set("joint0", 60)  # at the last moment
-    visitor.set("noise_px", 1)
-    assert model.past.here is None
-    visitor.act("reset")
-    there = model.past.here
-    for angle in (30, 40, 50):  # a start that is looked for by a slider
-        model.undoable.start_at((angle, -60))
-    assert model.past.here is there
-
-
-def test_what_is_refused_leaves_nothing_behind(visit):
-    model, visitor = visit
-    visitor.set("history", 2)
-    with pytest.raises(ValueError):
-        visitor.set("joint0", 1e3)
-    with pytest.raises(ValueError):
-        model.undoable.start_at((1e3, 0))
-    assert model.past.here is None and len(model.session.history) == 6
-
-
 def test_losses_are_taken_back_one_after_the_other_and_only_so_many(visit):
     model, visitor = visit
     for k in range(MAX_ENTRIES + 3):
@@ -116,19 +93,3 @@ def test_a_reset_in_a_duel_brings_back_both(visit):
     visitor.act("reset")
     visitor.act("duel")  # ends it: what was left had two learners
     assert model.past.here is None
-
-
-def test_what_is_chosen_and_taken_back_between_two_looks_is_not_shown_on():
-    """As when a server has much to do: to the page nothing has changed, but a browser shows what was put into it."""
-    page = QuietPage(SETTINGS)
-    page.tick(1.0)
-    preset, noise = page.widget("Preset"), page.widget("Pixel noise (px)")
-    before = preset.value, noise.value
-    page.change("Preset", PRESETS[1].name)
-    page.page.queue.call("undo")
-    page.tick(1.0)
-    assert (preset.value, noise.value) == before
-    page.change("Pixel noise (px)", 0.5)
-    page.change("Preset", AS_STARTED)
-    page.tick(1.0)
-    assert (preset.value, noise.value) == before

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from page_fakes import Hands, call, link, quiet_model
-from quiet_page import QuietPage
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -162,17 +161,3 @@ BEST_FIELDS = {
     "demonstrator_deg": (45, -90),
     "start_deg": (25, -45),
 }
-
-
-def test_a_kept_session_goes_on_with_its_points():
-    page, other = QuietPage(Settings.paper(start_deg=(25, -45))), QuietPage(Settings.paper())
-    page.restore()
-    model, again = page.page.model, other.page.model
-    Hands(model).act("edit points")
-    PLACE.apply(model, 0.0)
-    Hands(model).act("step")
-    other.restore(page.kept)
-    assert rows(again) == rows(model) and again.view.chosen == 10
-    assert Hands(again).act("step") is None and again.session.cursor == 2
-    model.session.step()
-    np.testing.assert_array_equal(again.session.snapshot.views.own, model.session.snapshot.views.own)

@@ -5,15 +5,14 @@ import json
 import msgspec
 import numpy as np
 import pytest
-from viewimit.app.model.motions import FILE, MOST_BYTES, Motions, Playback, Recorder
+from viewimit.app.model.motions import FILE, MOST_BYTES, Motions, Recorder
 
-from viewimit.analysis.trajectory import MOTIONS, STEP_S, decode_motion, encode_motion, make_motion
+from viewimit.analysis.trajectory import MOTIONS, STEP_S, decode_motion, encode_motion
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 
 SCENE = load_scene("panda")
-START = np.radians([45.0, -90.0])
 
 
 def recorded(times, degrees):
@@ -41,34 +40,6 @@ class TestRecorder:
         np.testing.assert_allclose(frames[:-1], line(STEP_S * np.arange(len(frames) - 1)), atol=1e-5)
         np.testing.assert_allclose(frames[-1], line(times[-1] - times[0]), atol=1e-5)  # where it ended
         assert 0 <= STEP_S * (len(frames) - 1) - (times[-1] - times[0]) < STEP_S
-
-    def test_it_begins_with_the_first_movement(self):
-        still, moving = 0.05 * np.arange(100), 5 + 0.05 * np.arange(21)
-        degrees = np.concatenate([np.tile(line(0), (100, 1)), line(moving - 4.95)])
-        made = recorded([*still, *moving], degrees).finish()
-        np.testing.assert_allclose(made.theta_deg, line(STEP_S * np.arange(22)), atol=1e-5)
-
-    def test_a_demonstrator_that_never_moved_makes_no_motion(self):
-        with pytest.raises(ValueError, match="did not move"):
-            recorded([0.0, 0.1, 0.2], [(45, -90)] * 3).finish()
-
-
-class TestPlayback:
-    MADE = make_motion("line", SCENE, np.radians(line(0.5 * np.arange(5))), step_s=0.5)
-
-    def at(self, playback):
-        return np.degrees(playback.theta)
-
-    def test_it_plays_in_real_time_between_its_frames_and_stops_at_the_last(self):
-        playback = Playback(self.MADE)
-        playback.play(100.0)
-        for now in (100.0, 100.3, 101.0, 101.9):
-            playback.advance(now)
-            np.testing.assert_allclose(self.at(playback), line(now - 100.0), atol=1e-4)
-        assert playback.playing
-        playback.advance(107.0)
-        assert not playback.playing and playback.frame == 4
-        np.testing.assert_allclose(self.at(playback), line(2.0), atol=1e-4)
 
 
 class Desk:
@@ -154,12 +125,6 @@ class TestMotions:
         assert desk.demonstrator == pytest.approx(expected[90], abs=1e-4) and not desk.aside
         assert desk.motions.asked_for() == name
 
-    def test_a_motion_that_comes_too_late_is_left_alone(self, desk):
-        desk.motions.replay()
-        desk.pose(20, -20)
-        desk.make()
-        assert not desk.motions.replaying and desk.demonstrator == (20, -20)
-
     def test_whoever_moves_the_demonstrator_ends_the_replay(self, desk):
         desk.record(WAVE)
         desk.motions.replay()
@@ -167,21 +132,6 @@ class TestMotions:
         desk.pose(10, -10)
         desk.tick(3)
         assert desk.demonstrator == (10, -10) and not desk.motions.replaying
-
-    def test_another_scene_ends_recording_and_replaying(self, desk):
-        desk.motions.record()
-        desk.tick()
-        desk.pose(50, -50)
-        desk.tick()
-        desk.session.change(scene="iiwa", demonstrator_deg=None)
-        desk.tick()
-        assert not desk.motions.recording and desk.motions.recorded.theta_deg[-1] == (50, -50)
-        desk.motions.replay()
-        assert desk.motions.replaying
-        desk.session.change(scene="panda", demonstrator_deg=None)
-        before = desk.demonstrator
-        desk.tick(3)
-        assert not desk.motions.replaying and desk.demonstrator == before
 
     def test_a_refused_file_changes_nothing(self, desk):
         desk.record(WAVE)

@@ -58,17 +58,6 @@ def test_it_is_cancelled_when_what_it_depends_on_changes_and_what_comes_late_is_
     assert model.basins.run.figure == ""
 
 
-def test_what_cannot_be_is_said(visit):
-    model, visitor, worker = visit
-    toggle(model)
-    worker.tell(Run(worker.asked[0].name, "failed", problem="no scene"))
-    with pytest.raises(ValueError, match="no scene"):
-        visitor.arrive()
-    visitor.set("joints", "all seven")
-    with pytest.raises(ValueError, match="two under Joints"):
-        toggle(model)
-
-
 def test_the_page_shows_where_they_end():
     page = QuietPage(Settings.paper(start_deg=(25, -45)))
     page.click("Try 20 starts")

@@ -69,29 +69,3 @@ def test_a_look_shows_what_would_be_seen_and_disturbs_nothing(visit):
         assert_same(model.session.snapshot, alone.snapshot)
         model.session.step()
         alone.step()
-
-
-def test_a_look_follows_the_demonstrator_and_ends_with_a_motion_or_when_it_is_let_go(visit):
-    model, visitor = visit
-    visitor.set_view(look_only=True)
-    touch(model, "posture", "20,-60")
-    see_through = model.display.preview
-    E = see_through.moment.E
-    visitor.set("joint0", 60.0)
-    assert see_through.moment.E != E and np.allclose(np.degrees(see_through.moment.theta), [20, -60])
-    assert len(model.poses(0.0)) == 3
-    touch(model, "dismiss", "0")
-    assert model.display.preview.moment is None and len(model.poses(0.0)) == 2
-    touch(model, "posture", "20,-60")
-    visitor.act("step")
-    assert model.display.preview.moment is None
-
-
-def test_the_learner_starts_where_the_see_through_arm_is(visit):
-    model, visitor = visit
-    with pytest.raises(ValueError, match="no ghost arm"):
-        touch(model, "start", "0")
-    visitor.set_view(look_only=True)
-    touch(model, "posture", "20,-60")
-    touch(model, "start", "0")
-    assert np.allclose(np.degrees(model.session.snapshot.theta), [20, -60]) and model.display.preview.moment is None

@@ -64,47 +64,6 @@ def test_where_the_servo_makes_no_use_of_it_it_is_refused_and_nothing_changes(vi
     assert said(model) == f"Only for {ABLE}."
 
 
-def test_what_is_said_follows_what_is_remembered(visit):
-    model, visitor = visit
-    assert said(model) == ""
-    visitor.act("rehearse")
-    play(model, 3)
-    assert said(model) == f"Watches itself: 3 of {DEFAULT_POSTURES} poses."
-    play(model, DEFAULT_POSTURES - 3)
-    assert said(model) == "Remembers 12 poses; Play imitates with them."
-    play(model, 1)
-    assert said(model) == "Remembers 12 poses, which hold. Imitates: 1 step."
-    play(model)
-    assert model.session.history.imitation_motions == 1
-    assert said(model) == "Remembers 12 poses, which hold. Imitated in 1 step."
-    model.undoable.change(servo="broyden")
-    assert said(model) == f"Remembers 12 poses; only for {ABLE}."
-
-
-def test_another_head_is_noticed(visit):
-    model, visitor = visit
-    visitor.act("rehearse")
-    play(model, DEFAULT_POSTURES)
-    model.undoable.change(scene="panda-toed")
-    assert said(model) == "Remembers 12 poses; Play imitates with them."  # of the same body
-    play(model, 5)
-    assert said(model) == "Remembers 12 poses, which do not hold here: it probes."
-
-
-def test_it_is_forgotten_at_any_time_and_then_it_probes(visit):
-    model, visitor = visit
-    for motions in (2, DEFAULT_POSTURES, DEFAULT_POSTURES + 2):
-        visitor.act("rehearse")
-        play(model, motions)
-        visitor.act("rehearse")
-        assert model.session.snapshot.calibration is None and said(model) == ""
-        visitor.act("reset")
-    play(model, 0)
-    visitor.act("play")
-    play(model, 2)
-    assert [moment.probe for moment in model.session.history[1:3]] == [True, True]
-
-
 @pytest.mark.parametrize("name, value", [("preset", "KUKA iiwa"), ("points", "16 points"), ("joints", "all seven")])
 def test_another_body_knows_nothing_and_undo_brings_back_who_did(visit, name, value):
     model, visitor = visit

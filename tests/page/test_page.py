@@ -1,12 +1,10 @@
 """A page that looks with pictures takes its turns beside the scheduler's thread: nothing waits for it but itself."""
 
-import threading
 import time
 
 import numpy as np
 import pytest
 from page_fakes import Camera, Visit, call
-from viewimit.app.jobs import camera_images as session_eyes
 from viewimit.app.model.keeping import tab_link
 from viewimit.app.panels import PANELS
 from waiting import wait_until
@@ -14,11 +12,6 @@ from waiting import wait_until
 from viewimit.loop.settings import Settings
 
 VIEWS = ["L", "R", "l", "r"]
-
-
-@pytest.fixture(autouse=True)
-def installed(monkeypatch):
-    monkeypatch.setattr(session_eyes, "require_eyes", lambda camera, scene: None)
 
 
 @pytest.fixture
@@ -36,16 +29,6 @@ def visit(camera):
     yield visit
     camera.gate.set()
     assert visit.page.close()
-
-
-def test_nothing_is_looked_at_in_the_thread_that_ticks(camera, visit):
-    for act in ("step", "undo", "reset", "duel"):
-        visit.act(act)
-        visit.arrive()
-    for name, value in (("joint0", 60.0), ("noise_px", 0.5), ("joints", "all seven"), ("preset", "Camera pictures")):
-        visit.put(name, value)
-        visit.arrive()
-    assert len(camera.asked) > 20 and threading.get_ident() not in {thread for _, thread in camera.asked}
 
 
 def test_on_its_way_an_arm_is_shown_in_3d_and_no_picture_changes(camera, visit):
@@ -77,16 +60,6 @@ def test_a_lost_process_costs_the_pictures_and_nothing_else(camera, visit):
     assert visit.session.snapshot.motion == 1
 
 
-def test_any_other_fault_reaches_the_scheduler(camera, visit, monkeypatch):
-    monkeypatch.setattr(visit.session, "step", lambda: 1 / 0)
-    visit.act("step")
-    with pytest.raises(ZeroDivisionError):
-        visit.rest()
-    visit.act("reset")
-    visit.arrive()
-    assert visit.photographs == VIEWS
-
-
 def kept(visit):
     """What its tab hands back."""
     return call("session", tab_link(visit.page.model)[0])
@@ -109,15 +82,6 @@ def test_a_kept_session_comes_back_with_its_history_and_its_pictures(camera, vis
     back.arrive()
     assert back.photographs == VIEWS and len(back.session.history) == 3
     np.testing.assert_array_equal(back.session.snapshot.views.own, visit.session.snapshot.views.own)
-
-
-def test_a_page_that_is_gone_gives_its_eyes_back_once_its_turn_has_ended(camera, visit):
-    camera.gate.clear()
-    visit.act("step")
-    visit.tick()
-    assert not visit.page.close(0.05) and camera.closed == []
-    camera.gate.set()
-    wait_until(lambda: camera.closed == [0])
 
 
 def test_a_panel_is_one_function_and_is_drawn_only_when_what_it_depends_on_changes(monkeypatch):

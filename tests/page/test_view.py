@@ -59,27 +59,3 @@ def test_a_camera_that_nobody_has_put_anywhere_is_fitted_whenever_the_browser_te
     assert not view.camera_is_default
     view.follow(lambda: LANDMARKS)
     np.testing.assert_allclose(camera.position, put + 0.1)
-
-
-def test_a_place_is_sent_also_where_the_browser_has_just_told_that_very_place(camera):
-    """What it tells may be older than what was sent since, and viser sends nothing that equals it."""
-    sent = []
-
-    class Camera(SimpleNamespace):
-        def __setattr__(self, name, value):
-            if name == "position" and not np.allclose(value, self.position):
-                sent.append(np.array(value))
-            super().__setattr__(name, value)
-
-    camera = Camera(**vars(camera))
-    view = DefaultView(SimpleNamespace(camera=camera))
-    view.fit(LANDMARKS)
-    put = sent[-1]
-    camera.image_width = 1280
-    view.fit(LANDMARKS)
-    wide = sent[-1]
-    assert not np.allclose(wide, put)
-    camera.image_width = 552
-    SimpleNamespace.__setattr__(camera, "position", put)  # told late
-    view.follow(lambda: LANDMARKS)
-    np.testing.assert_array_equal(sent[-1], put)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from viewimit import TRANSFERS
-from viewimit.commands.options import option
 from viewimit.drawing.export import figures
 from viewimit.estimation.views import VIEW_NAMES, VIEWS, FourViews, view_of
+from viewimit.options import option
 from viewimit.sensing.tracks import read_files, read_tidy
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World

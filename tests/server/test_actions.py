@@ -38,19 +38,6 @@ def test_each_action_is_taken_once_and_in_order_however_often_it_is_sent():
     assert taken.values == [("point", "3"), ("link", "x"), ("point", "4")] and taken.actions.last == 3
 
 
-def test_a_page_that_is_loaded_anew_counts_from_one():
-    taken = Taken()
-    taken.actions.take(message((7, "point", "3")))
-    taken.actions.take(message((1, "point", "4"), load="b"))
-    assert taken.values == [("point", "3"), ("point", "4")] and taken.actions.last == 1
-
-
-def test_an_unknown_action_is_counted_too_or_it_would_come_for_ever():
-    taken = Taken()
-    taken.actions.take(message((1, "nothing", "3"), (2, "seed", "3"), (3, "point", "4")))
-    assert taken.values == [("point", "4")] and taken.actions.last == 3
-
-
 class Tab(Client):
     def __init__(self, url: str):
         super().__init__(url)

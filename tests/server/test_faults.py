@@ -12,10 +12,9 @@ import pytest
 from browsing import PAUSE
 from drawn import MOTIONS_MADE, learners_bars
 from protocol import Client, Tab
-from serving import ENDS_WITHIN_S, Here, Relay, Server, processes_of, tell_all
+from serving import ENDS_WITHIN_S, Here, Server, processes_of, tell_all
 from viewimit.app.panels.panel import SLOW, Layout
 from viewimit.app.server import pages
-from viewimit.app.server.limits import Limits
 from waiting import stays, wait_until
 
 from viewimit.loop.session import Session
@@ -100,18 +99,6 @@ def comes_back(url: str, tab: Tab, seen: dict) -> None:
         wait_until(lambda: learner_of(client) != seen["learner"])
 
 
-def test_a_server_that_was_killed_or_is_another_has_lost_nothing():
-    server = Server()
-    with Client(server.url).ready() as client:
-        work(client)
-        seen, tab = what_a_visitor_sees(client), client.keep()
-        server.process.kill()
-        server.process.wait()
-    server = Server("--servo", "gradient")  # begun otherwise
-    comes_back(server.url, tab, {**seen})
-    server.stop()
-
-
 @contextlib.contextmanager
 def heard_of(number: int, how: signal.Handlers):
     """Processes that are begun inside hear of this signal by default, or not at all, however the tests were begun."""
@@ -185,25 +172,9 @@ def test_a_session_whose_loop_fails_says_so_in_its_own_page_and_can_be_reset(her
     assert "RuntimeError('the arm fell off')" in caplog.text
 
 
-def test_a_client_that_takes_nothing_holds_no_one_up_and_is_closed():
-    here = Here(Limits(ping_every=1.0, pong_within=1.0))
-    relay = Relay(here.url)
-    with Client(relay.url).ready() as slow, Client(here.url).ready() as other:
-        for client in (slow, other):
-            client.put("Speed", "10 a second")
-            client.press("Play or pause")
-        relay.silent.set()
-        before = len(other.received)
-        wait_until(lambda: len(here.access.seats) == 1, 10)
-        wait_until(lambda: len(other.received) > before + 10)
-        wait_until(lambda: here.pages == 1, 5)
-    relay.close()
-    here.stop()
-
-
 @pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="memory is read from /proc")
-@pytest.mark.parametrize("visits, bound_mb", [(15, 30), pytest.param(125, 12.5, marks=pytest.mark.slow)])
-def test_who_comes_and_goes_leaves_no_memory_behind(visits, bound_mb):
+@pytest.mark.slow
+def test_who_comes_and_goes_leaves_no_memory_behind(visits=125, bound_mb=12.5):
     server = Server()
     for visit in range(10 + visits):
         if visit == 10:  # what the first visitors bring in stays: the scene's meshes, code, caches

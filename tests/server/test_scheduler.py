@@ -46,17 +46,6 @@ def test_a_failing_page_is_told_and_the_others_go_on(caplog, event_loop):
     assert "RuntimeError('broken') at test_scheduler.py" in caplog.messages[0]
 
 
-def test_the_newest_request_for_a_landscape_wins():
-    worker, gate, made = Worker(), threading.Event(), []
-    worker.ask(0, lambda: gate.wait(5), lambda _: None)
-    for k in range(5):
-        worker.ask(1, lambda k=k: k, made.append)
-    worker.ask(2, lambda: "other", made.append)
-    gate.set()
-    wait_until(lambda: len(made) == 2)
-    assert made == [4, "other"]
-
-
 def test_a_failing_landscape_does_not_end_the_worker(capsys):
     worker, made = Worker(), []
     worker.ask(0, lambda: 1 / 0, made.append)
@@ -64,17 +53,6 @@ def test_a_failing_landscape_does_not_end_the_worker(capsys):
     wait_until(lambda: len(made) == 2)
     assert isinstance(made[0], ZeroDivisionError) and made[1] == "next"  # its page gets the fault, to say it
     assert "ZeroDivisionError" in capsys.readouterr().err
-
-
-def test_a_page_that_cannot_say_its_fault_is_ticked_no_more(caplog, event_loop):
-    scheduler, good, bad = Scheduler(), Counting(), Counting(RuntimeError("broken"))
-    bad.fail = lambda error: 1 / 0
-    scheduler.add(bad)
-    scheduler.add(good)
-    scheduler.start(event_loop)
-    wait_until(lambda: good.ticks >= 5)
-    scheduler.stop()
-    assert bad.ticks == 1 and "ZeroDivisionError" in caplog.messages[-1]
 
 
 class Clock:

@@ -18,10 +18,7 @@ from viewimit.app.server.address import (
     path_of_page,
     require_free,
 )
-from viewimit.app.server.serve import ServerOptions, serve
 from waiting import wait_until
-
-from viewimit.loop.settings import Settings
 
 
 def test_a_taken_port_is_named_with_the_next_free_one():
@@ -31,11 +28,6 @@ def test_a_taken_port_is_named_with_the_next_free_one():
         port = taken.getsockname()[1]
         with pytest.raises(PortInUse, match=rf"port {port} .* in use; try --port \d+"):
             require_free("127.0.0.1", port)
-
-
-def test_bad_settings_fail_before_a_port_is_taken():
-    with pytest.raises(ValueError, match="no scene 'moon'"):
-        serve(port=0, options=ServerOptions(Settings.paper(scene="moon")))
 
 
 @pytest.mark.parametrize(

@@ -81,11 +81,11 @@ def test_points_without_a_partner_are_found(missing, extra):
 
 def test_two_answers_of_a_symmetric_body_are_reported_and_nothing_is_claimed():
     """Markers on both sides of an arm's plane: all pairs exchanged and the arm turned by half a turn look the same."""
-    arm = draw_marked_arm(np.random.default_rng([1, 7]), symmetric=True)
-    body = tuple((int(link), *place) for link, place in zip(arm.body.link, arm.body.local.tolist()))
-    postures = {"demonstrator_deg": (22.0, -40.0, 20.0)[: 3 if "6]" in arm.scene else 2]}
-    with_names = Session(Settings(scene=arm.scene, body_points=body, **postures)).run(80).last
-    last = Session(Settings(scene=arm.scene, body_points=body, matched=False, **postures)).run(80).last
+    scene, markers = draw_marked_arm(np.random.default_rng([1, 7]), symmetric=True)
+    body = tuple((int(link), *place) for link, place in zip(markers.link, markers.local.tolist()))
+    postures = {"demonstrator_deg": (22.0, -40.0, 20.0)[: 3 if "6]" in scene else 2]}
+    with_names = Session(Settings(scene=scene, body_points=body, **postures)).run(80).last
+    last = Session(Settings(scene=scene, body_points=body, matched=False, **postures)).run(80).last
     assert with_names.status.is_claim
     assert last.naming.is_ambiguous and last.status == ServoStatus.SETTLED
     assert "two answers" in last.servo.describe_status(last.servo_state, last.status)

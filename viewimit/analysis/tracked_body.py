@@ -4,8 +4,9 @@ Kinematics that explain these pictures predict how the own body would look in th
 that come without names are named, and it says why the demonstrator's body differs from its own.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ from ..geometry.kinematics.clusters import Observations
 from ..geometry.kinematics.disturbed import Shortfall, fit_shortfall
 from ..geometry.kinematics.model import ProjectiveKinematics
 from ..geometry.rectification import Rectification
+from ..loop.self_calibration import MIN_POSTURES, SelfCalibration
+from ..sensing.tracks.text import Table, column_names
 from ..servo import Misfit, MisfitKind, Naming, Observation
 from ..servo.estimator.naming import KnownBody, find_naming, mixed_up, nearest_posture
 from ..servo.estimator.reasons import Explanation, explain, explain_again
@@ -236,3 +239,39 @@ def _visible(views: FourViews, rows: NDArray[np.int_], own: NDArray[np.int_]) ->
     """(T, N, 4), of the demonstrator's points in their new order and of the own points."""
     demo = np.where((rows >= 0)[:, None], views.visible[:, rows, :2], False)
     return np.concatenate([demo, views.visible[:, own, 2:]], -1)
+
+
+# What shows the own body: a table of its joint angles beside the tracks, or a calibration.
+
+
+def observed_in_postures(path: Path, frames: Sequence[int], views: FourViews, own: NDArray[np.int_]) -> Observations:
+    """Return the own images of the frames whose joint angles a table has. Raises OSError or ValueError."""
+    table, heading, angles = Table(path), None, dict[int, list[float]]()
+    for line, cells in table.lines():
+        if heading is None:
+            heading = column_names(cells)
+            if heading[:1] != ["frame"] or len(heading) < 2:
+                raise ValueError(f"{path}: the heading must be frame, and a column for each joint")
+            continue
+        cells = table.filled(line, cells, len(heading))
+        values = [table.number(line, name, text, np.nan) for name, text in zip(heading[1:], cells[1:])]
+        angles[table.whole(line, "frame", cells[0])] = values
+    at = [k for k, frame in enumerate(frames) if np.isfinite(angles.get(frame, [np.nan])).all()]
+    if len(at) < MIN_POSTURES:
+        raise ValueError(f"{path}: it has the joint angles of {len(at)} frames; needs {MIN_POSTURES} or more")
+    visible = np.asarray(views.visible[at][:, own, 2:].all(-1))
+    return Observations(np.radians([angles[frames[k]] for k in at]), views.own[at][:, own], visible)
+
+
+def observed_in_calibration(calibration: SelfCalibration, n_own: int) -> Observations:
+    """Return the own images of a calibration. Raises ValueError for another number of points than the tracks have."""
+    count = len(calibration.visits[0].own)
+    if count != n_own:
+        raise ValueError(
+            f"it has {count} points of the learner, the tracks have {n_own}: they must be the same, in order"
+        )
+    return Observations(
+        np.array([visit.displacement for visit in calibration.visits]),
+        np.array([visit.own for visit in calibration.visits]),
+        np.array([visit.seen.all(-1) for visit in calibration.visits]),
+    )

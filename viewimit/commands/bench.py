@@ -21,12 +21,11 @@ from ..geometry.affine import require_points
 from ..loop.history import MAX_HISTORY
 from ..loop.self_calibration import MIN_POSTURES
 from ..loop.settings import FIELDS, MAX_SEED, Settings, UnknownMethod
+from ..options import DONE, BadInput, add_json_option, between, layout, naming
 from ..sensing.files import escape
 from ..simulation.scene import load_scene, scene_names
 from ..simulation.world import World
-from . import BadInput
 from .json_output import print_json
-from .options import DONE, add_json_option, between, layout, naming
 
 INTERRUPTED = 130  # what shells report of a program that Ctrl-C ended
 ALL = "all"

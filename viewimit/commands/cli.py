@@ -18,7 +18,6 @@ from typing import NoReturn
 
 from .. import __version__
 from ..geometry import limit_blas_threads
-from . import BadInput
 
 BAD_INPUT = 2
 NEWLINE = "\n"
@@ -42,7 +41,9 @@ COMMANDS = {
     "docs": "Open the documentation in a browser.",
 }
 
-MODULES = {"class": "class_"}  # where a command's name cannot be a module's
+MODULES = {name: f"..app.cli.{name}" for name in ("serve", "lab", "exam", "site", "docs")} | {
+    "class": "..app.cli.class_"
+}  # of those that are not beside this file
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -64,13 +65,14 @@ def main(argv: list[str] | None = None) -> int:
 
 def _run(argv: list[str]) -> int:
     args = parser_of(argv[0]).parse_args(attached(argv))
+    from ..options import BadInput  # it loads numpy, which the number of threads has to precede
+    from ..sensing.files import escape
+
     try:
         status = args.run(args)
         sys.stdout.flush()
         return status
     except BadInput as error:
-        from ..sensing.files import escape  # it loads numpy, which the number of threads has to precede
-
         print(f"viewimit {args.command}: {escape(str(error), keep=NEWLINE)}", file=sys.stderr)
         return BAD_INPUT
     except BrokenPipeError:
@@ -135,7 +137,7 @@ def parser_of(chosen: str) -> argparse.ArgumentParser:
     for name, text in COMMANDS.items():
         parser = commands.add_parser(name, help=text, description=text, allow_abbrev=False)
         if name == chosen:
-            module = importlib.import_module(f".{MODULES.get(name, name)}", __package__)
+            module = importlib.import_module(MODULES.get(name, f".{name}"), __package__)
             module.add_options(parser)
             parser.set_defaults(run=module.run)
     return top

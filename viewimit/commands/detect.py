@@ -11,15 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.views import VIEW_NAMES, VIEWS, view_of
-from ..sensing.detection import FIRST_OF_DEMONSTRATOR, PICTURES
-from ..sensing.tracks import Row, write_tidy
-from ..simulation.robot import load_markers, marker_names
-from . import BadInput
-from .json_output import print_json
-from .options import (
+from ..options import (
     DONE,
     MISSED,
     VIEW_OPTIONS,
+    BadInput,
     add_json_option,
     add_view_options,
     between,
@@ -27,6 +23,10 @@ from .options import (
     option,
     require_separate_files,
 )
+from ..sensing.detection import FIRST_OF_DEMONSTRATOR, PICTURES
+from ..sensing.tracks import Row, write_tidy
+from ..simulation.robot import load_markers, marker_names
+from .json_output import print_json
 
 Picture = NDArray[np.uint8]
 Point = tuple[str, float, float, float]  # name, x, y [px], confidence
@@ -125,9 +125,8 @@ def run(args: argparse.Namespace) -> int:
     with naming("--out"):
         write_tidy(args.out, rows)
     if args.json:
-        print_json(
-            args, {"markers": markers, "views": counts, "left_out": _left_out_json(left_out), "file": str(args.out)}
-        )
+        told = [{"marker": name, "why": why, "frames": frames} for (name, why), frames in left_out.items()]
+        print_json(args, {"markers": markers, "views": counts, "left_out": told, "file": str(args.out)})
     else:
         for name, count in counts.items():
             print(f"{name:<10}  {count['frames']} frames, {count['points_a_frame']:.1f} of {markers} points in each")
@@ -208,10 +207,6 @@ def _left_out(
         yield f"marker {name} in {', '.join(where)}: {why}" + ("" if "taken" in why else ", and is left out")
     if len(left_out) > MAX_LINES:
         yield f"and {len(left_out) - MAX_LINES} more such markers"
-
-
-def _left_out_json(left_out: Mapping[tuple[str, str], Mapping[str, list[int]]]) -> list[dict]:
-    return [{"marker": name, "why": why, "frames": dict(frames)} for (name, why), frames in left_out.items()]
 
 
 def _in_folder(path: Path) -> list[Path]:

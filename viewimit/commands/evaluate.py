@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.evaluation import TOO_FEW, Frame, evaluate
-from ..analysis.timing import TimeShift
+from ..analysis.results import misfit_json, naming_json, naming_words
 from ..analysis.tracked_body import (
     NamedPoints,
     TrackedBody,
@@ -17,36 +17,35 @@ from ..analysis.tracked_body import (
     gain_words,
     learn_tracked_body,
     name_points,
+    observed_in_calibration,
+    observed_in_postures,
     own_points,
 )
+from ..drawing.export import evaluation as evaluate_report
 from ..estimation.noise import views_rounding_std
 from ..estimation.outliers import find_outliers, select_matches
 from ..estimation.transfers import TRANSFERS
 from ..estimation.views import VIEW_NAMES, VIEWS, FourViews
 from ..geometry.affine import MIN_POINTS
-from ..geometry.kinematics.clusters import Observations
 from ..geometry.rectification import fit_rectification
-from ..loop.self_calibration import MIN_POSTURES, SelfCalibration
-from ..sensing.files import MAX_NAME_CHARS, escape
-from ..sensing.tracks import TrackedPoints, read_files, read_tidy
-from ..sensing.tracks.text import Table, column_names
-from . import BadInput, evaluate_report, lenses
-from .json_output import print_json
-from .options import (
+from ..loop.self_calibration import SelfCalibration
+from ..options import (
     DEFAULT_TRANSFER,
     DONE,
     MISSED,
     VIEW_OPTIONS,
+    BadInput,
     add_json_option,
     add_settings,
     add_view_options,
     between,
-    misfit_json,
     naming,
-    naming_json,
-    naming_words,
     require_separate_files,
 )
+from ..sensing.files import MAX_NAME_CHARS, escape
+from ..sensing.tracks import TrackedPoints, read_files, read_tidy
+from . import lenses
+from .json_output import print_json
 
 BODIES = {"demonstrator": "lr", "learner": "LR"}  # and its views
 NAMED = 10  # points that --min-confidence removed, in words
@@ -108,8 +107,8 @@ def run(args: argparse.Namespace) -> int:
     )
     gains = of_body.get("degrees_per_unit")
     units = None if gains is None else f"--postures: these are no degrees: {gain_words(gains)}; write degrees"
-    _say(*_lengths(tracked), *_shift_words(found.time_shift, tracked.frames), units)
-    report = evaluate_report.Report(found, of_body, removed, _shift_json(found.time_shift, tracked.frames))
+    _say(*_lengths(tracked), *evaluate_report.shift_words(found.time_shift, tracked.frames), units)
+    report = evaluate_report.Report(found, of_body, removed)
     if args.out and report.first is not None:
         with naming("--out"):
             evaluate_report.write(args.out, report)
@@ -186,47 +185,15 @@ def _learn_body(args: argparse.Namespace, frames: Sequence[int], views: FourView
     rectification = None if args.rectify == "off" else fit_rectification(matches[:, :2], matches[:, 2:])
     if args.postures:
         with naming("--postures"):
-            seen = _with_postures(args.postures, frames, views, own)
+            seen = observed_in_postures(args.postures, frames, views, own)
             limits = seen.displacement.min(0) - MARGIN_RAD, seen.displacement.max(0) + MARGIN_RAD
             return learn_tracked_body(seen, own, limits, noise_px, rectification)
     with naming("--calibration"):
         calibration = SelfCalibration.load(args.calibration)
         limits = np.zeros(len(calibration.body.span_deg)), np.radians(calibration.body.span_deg)
         noise_px = max(noise_px, calibration.noise_px)
-        return learn_tracked_body(_of_calibration(calibration, len(own)), own, limits, noise_px, rectification, False)
-
-
-def _with_postures(path: Path, frames: Sequence[int], views: FourViews, own: NDArray[np.int_]) -> Observations:
-    """The own images of the frames whose joint angles a table has. Raises OSError or ValueError."""
-    table, heading, angles = Table(path), None, dict[int, list[float]]()
-    for line, cells in table.lines():
-        if heading is None:
-            heading = column_names(cells)
-            if heading[:1] != ["frame"] or len(heading) < 2:
-                raise ValueError(f"{path}: the heading must be frame, and a column for each joint")
-            continue
-        cells = table.filled(line, cells, len(heading))
-        values = [table.number(line, name, text, np.nan) for name, text in zip(heading[1:], cells[1:])]
-        angles[table.whole(line, "frame", cells[0])] = values
-    at = [k for k, frame in enumerate(frames) if np.isfinite(angles.get(frame, [np.nan])).all()]
-    if len(at) < MIN_POSTURES:
-        raise ValueError(f"{path}: it has the joint angles of {len(at)} frames; needs {MIN_POSTURES} or more")
-    visible = np.asarray(views.visible[at][:, own, 2:].all(-1))
-    return Observations(np.radians([angles[frames[k]] for k in at]), views.own[at][:, own], visible)
-
-
-def _of_calibration(calibration: SelfCalibration, n_own: int) -> Observations:
-    """The own images of a calibration. Raises ValueError for another number of points than the tracks have."""
-    count = len(calibration.visits[0].own)
-    if count != n_own:
-        raise ValueError(
-            f"it has {count} points of the learner, the tracks have {n_own}: they must be the same, in order"
-        )
-    return Observations(
-        np.array([visit.displacement for visit in calibration.visits]),
-        np.array([visit.own for visit in calibration.visits]),
-        np.array([visit.seen.all(-1) for visit in calibration.visits]),
-    )
+        seen = observed_in_calibration(calibration, len(own))
+        return learn_tracked_body(seen, own, limits, noise_px, rectification, False)
 
 
 def _misfit_json(body: TrackedBody, frames: Sequence[int], points: Sequence[str], views: FourViews) -> dict | None:
@@ -234,9 +201,7 @@ def _misfit_json(body: TrackedBody, frames: Sequence[int], points: Sequence[str]
     found = find_misfit(body, views)
     if found is None:
         return None
-    said = misfit_json(found[0], range(1, 1 + len(body.lower)), points)
-    assert said is not None
-    return said | {"frame": frames[found[1]]}
+    return (misfit_json(found[0], range(1, 1 + len(body.lower)), points) or {}) | {"frame": frames[found[1]]}
 
 
 def _naming_json(found: NamedPoints, body: TrackedBody, frames: Sequence[int], points: Sequence[str]) -> dict:
@@ -244,11 +209,9 @@ def _naming_json(found: NamedPoints, body: TrackedBody, frames: Sequence[int], p
     one = found.naming
     if one is None:
         return {"accepted": False, "frame": None}
-    said = naming_json(one)
-    assert said is not None
     names = [points[k] for k in body.points.tolist()]
     partner = [None if row < 0 or not one.accepted else points[row] for row in one.names]
-    return said | {
+    return (naming_json(one) or {}) | {
         "frame": frames[found.frame],
         "posture_deg" if body.gains is None else "posture": np.degrees(one.displacement),
         "names": dict(zip(names, partner)),
@@ -282,29 +245,6 @@ def _lengths(tracked: TrackedPoints) -> Iterator[str]:
                 f"the {body} has frames {left}, but {right}: if one camera has lost a frame, left and right are not "
                 "of the same moment from then on; cut both to the same moments"
             )
-
-
-def _shift_json(shift: TimeShift | None, frames: Sequence[int]) -> dict | None:
-    if shift is None:
-        return None
-    parts = [{"from_frame": frames[first], "frames": late} for first, late in shift.parts]
-    return {"parts": parts, "rms_px": shift.rms_px, "shifted_px": shift.shifted_px}
-
-
-def _shift_words(shift: TimeShift | None, frames: Sequence[int]) -> Iterator[str]:
-    """In a line: the cameras are not in time, and the shift that mends that."""
-    if shift is None:
-        return
-    by = [
-        f"{abs(late):.1f} frames {'later' if late > 0 else 'earlier'}"
-        + (f" from frame {frames[first]} on" if len(shift.parts) > 1 else "")
-        for first, late in shift.parts
-    ]
-    yield (
-        "left and right contradict each other the more the faster the points move: the cameras are not in time. Pair "
-        f"each left frame with the right one {', '.join(by)}: the rms misfit falls from "
-        f"{shift.rms_px:.2g} to {shift.shifted_px:.2g} px"
-    )
 
 
 def _read(args: argparse.Namespace) -> TrackedPoints:

@@ -7,35 +7,30 @@ from pathlib import Path
 
 import numpy as np
 
-from ..analysis.self_assessment import assess
+from ..analysis.results import figure, naming_words, outcome, posture
 from ..drawing.svg import count_motions
 from ..loop.history import MAX_HISTORY, History
 from ..loop.self_calibration import SelfCalibration
 from ..loop.session import Session
 from ..loop.settings import FIELDS, SAFETY, Settings, option
 from ..loop.snapshot import RunResult
-from ..sensing.files import MAX_NAME_CHARS, escape
-from ..servo import SERVOS, verdict
-from . import BadInput
-from .json_output import print_json
-from .options import (
+from ..options import (
     ARM,
     DONE,
     MISSED,
     SCENE,
     SIGHT,
+    BadInput,
     add_json_option,
     add_settings,
     add_unmatched_option,
     between,
-    figure,
-    misfit_json,
     naming,
-    naming_json,
-    naming_words,
-    posture,
     settings_from,
 )
+from ..sensing.files import MAX_NAME_CHARS, escape
+from ..servo import SERVOS, verdict
+from .json_output import print_json
 
 PAGES, TABLES = (".html", ".htm"), (".csv", ".npz")
 TABLE_DIGITS = 12  # significant, of a number in a .csv table: fewer than conversion to degrees rounds
@@ -189,43 +184,3 @@ def _use_calibration(session: Session, path: Path) -> None:
 def _at_least(value: float, least: float, form: str, unit: str) -> str:
     """A number in words, without digits below `least`, which differ between machines."""
     return f"below {least:g}{unit}" if value < least else figure(value, form, unit)
-
-
-def outcome(session: Session, ended: RunResult) -> dict:
-    """The JSON object of a run.
-
-    `converged`, `std_error_deg` and `observable` are the learner's own claims; `error_deg`, of the worst joint, is the
-    truth. `travel_deg` sums the joint that moved most in each motion, or one joint's motions.
-    """
-    last, known = session.snapshot, assess(session)
-    std_error = None if known is None else known.certificate.std_error
-    rehearsed: dict = {} if last.settings.matched else {"naming": naming_json(last.naming)}
-    if last.calibration is not None:
-        rehearsed |= {"rehearsed": len(last.calibration), "rehearsal_holds": last.calibration_holds}
-    return {
-        "final_deg": np.degrees(last.theta),
-        "demonstrator_deg": np.degrees(last.theta_demo),
-        "error_deg": np.degrees(np.max(np.abs(last.theta - last.theta_demo))),
-        "std_error_deg": None if known is None else np.degrees(known.certificate.simultaneous_std_error),
-        "joints": [
-            {
-                "name": f"theta{joint}",
-                "deg": np.degrees(last.theta[k]),
-                "std_error_deg": None if std_error is None else np.degrees(std_error[k]),
-                "observable": None if known is None else bool(known.certificate.observable[k]),
-                "travel_deg": ended.joint_travel_deg[k],
-            }
-            for k, joint in enumerate(session.scene.moving_joints)
-        ],
-        "exchanged": last.exchanged,
-        "misfit": misfit_json(last.misfit, session.scene.moving_joints),
-        "E": last.E,
-        "motions": last.motion,
-        "travel_deg": ended.travel_deg,
-        **rehearsed,
-        "converged": last.status.is_claim,
-        "status": last.status,
-        "history": [
-            {"theta_deg": np.degrees(past.theta), "E": past.E, "probe": past.probe} for past in session.history
-        ],
-    }

@@ -9,15 +9,14 @@ import msgspec
 import numpy as np
 
 from ..analysis.landscape import Landscape, conflict_at, landscape
+from ..analysis.results import figure, posture
 from ..drawing.export import figures
 from ..drawing.landscape import LandscapePicture
 from ..drawing.plots import describe_settings
 from ..estimation.transfers import TRANSFERS, default_transfer
 from ..loop.session import Session
 from ..loop.snapshot import Snapshot
-from ..simulation.scene import Scene
-from .json_output import print_json
-from .options import (
+from ..options import (
     DEFAULT_TRANSFER,
     DONE,
     MISSED,
@@ -26,11 +25,11 @@ from .options import (
     add_json_option,
     add_settings,
     between,
-    figure,
     naming,
-    posture,
     settings_from,
 )
+from ..simulation.scene import Scene
+from .json_output import print_json
 
 TABLES = (".npz", ".csv")
 TITLE = "E over the postures of the learner"

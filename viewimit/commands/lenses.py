@@ -2,25 +2,16 @@
 
 import argparse
 import sys
-from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..estimation.views import FourViews
 from ..geometry.distortion import LensDistortion
-from ..sensing.lens_files import CalibratedLens, read_lenses
-from . import BadInput
-from .options import naming
+from ..options import BadInput, naming
+from ..sensing.lens_files import COUNTS, NUMBERS, CalibratedLens, lenses_of, numbers_in
 
 CAMERAS = "left", "right"
-COUNTS = 2, 4, 5  # of coefficients
-NUMBERS = "FX,FY,CX,CY,K1,K2,P1,P2,K3"
-BEYOND = 0.1  # of the points' extent, by which a lens's centre lies outside before it is mentioned
-
-Floats = NDArray[np.float64]
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -47,52 +38,13 @@ def without_distortion(args: argparse.Namespace, views: FourViews) -> FourViews:
     for k, (camera, (lens, option)) in enumerate(zip(CAMERAS, found)):
         of = slice(2 * k, 2 * k + 2)
         points = np.concatenate([bodies[..., of].reshape(-1, 2) for bodies in (views.demo, views.own)])
-        doubts |= dict.fromkeys(f"{option}: {doubt}" for doubt in _doubts(lens, points))
+        doubts |= dict.fromkeys(f"{option}: {doubt}" for doubt in lens.doubts(points))
         with naming(option):
-            demo.append(_straightened(lens, views.demo[..., of], camera))
-            own.append(_straightened(lens, views.own[..., of], camera))
+            demo.append(lens.straightened(views.demo[..., of], camera))
+            own.append(lens.straightened(views.own[..., of], camera))
     for doubt in doubts:
         print(f"viewimit evaluate: {doubt}", file=sys.stderr)
     return FourViews(np.concatenate(demo, -1), np.concatenate(own, -1), views.visible)
-
-
-def _straightened(lens: CalibratedLens, image: Floats, camera: str) -> Floats:
-    """(..., 2) px of a lens without distortion. Raises ValueError."""
-    by = LensDistortion.of(*(lens.coefficients or (0.0, 0.0)))
-    on_plane = (image - lens.centre) / lens.focal
-    found = by.undistorted(on_plane)
-    folded = np.isnan(found).any(-1) & np.isfinite(on_plane).all(-1)
-    if folded.any():
-        farthest = np.linalg.norm(on_plane[folded], axis=-1).max()
-        raise ValueError(
-            f"the lens shows nothing from {by.radial.max_distorted_radius:.3g} focal lengths on, where it folds its "
-            f"image; a point of the {camera} camera is {farthest:.3g} from the centre"
-        )
-    return found * lens.focal + lens.centre
-
-
-def _doubts(lens: CalibratedLens, points: Floats) -> Iterator[str]:
-    """What speaks against a lens, (N, 2) px of its points given."""
-    points = points[np.isfinite(points).all(-1)]
-    if not len(points):
-        return
-    low, high, centre = points.min(0), points.max(0), np.array(lens.centre)
-    size = 2 * centre if lens.size is None else np.array(lens.size)
-    if (high > size * (1.0 if lens.size else 1 + BEYOND)).any():
-        made = "of" if lens.size else "of about"
-        yield (
-            f"points lie as far as {high[0]:.0f},{high[1]:.0f}, and the lens is {made} pictures of "
-            f"{size[0]:.0f} x {size[1]:.0f} px: calibrate it at the size of the tracked pictures"
-        )
-        return
-    margin = BEYOND * (high - low)
-    before, after = centre < low - margin, centre > high + margin
-    sides = [word for word, is_so in zip(("right of", "below", "left of", "above"), (*before, *after)) if is_so]
-    if sides:
-        yield (
-            f"all points lie {' and '.join(sides)} the lens's centre, {centre[0]:g},{centre[1]:g}: is it calibrated at "
-            "another picture size?"
-        )
 
 
 def _lenses(args: argparse.Namespace) -> list[tuple[CalibratedLens, str]] | None:
@@ -135,7 +87,7 @@ def _coefficients(args: argparse.Namespace) -> tuple[float, ...] | None:
     """Those of --undistort. Raises BadInput."""
     if args.undistort is None:
         return None
-    found = _numbers(args.undistort)
+    found = numbers_in(args.undistort)
     if found is None or len(found) not in COUNTS:
         raise BadInput(
             f"--undistort: needs K1,K2 or K1,K2,P1,P2 or K1,K2,P1,P2,K3, such as -0.05,0.01, got {args.undistort!r}"
@@ -143,18 +95,9 @@ def _coefficients(args: argparse.Namespace) -> tuple[float, ...] | None:
     return found
 
 
-def _numbers(text: str) -> tuple[float, ...] | None:
-    """Finite ones, separated by commas; None for other text."""
-    try:
-        found = tuple(float(word) for word in text.split(","))
-    except ValueError:
-        return None
-    return found if np.isfinite(found).all() else None
-
-
 def _pair(text: str) -> list[CalibratedLens]:
     """One lens for both cameras, or the two of a file, the first of which is the left one's. Raises ValueError."""
-    found = _read(text)
+    found = lenses_of(text)
     if len(found) > len(CAMERAS):
         raise ValueError(
             f"{text} has {len(found)} cameras: name those of the pair by --lens-left {text}#{next(iter(found))} …"
@@ -166,32 +109,14 @@ def _pair(text: str) -> list[CalibratedLens]:
     return [found[left], found[right]]
 
 
-def _is_of(camera: str, name: str) -> bool:
-    return camera in name.lower() or name.lower() == camera[0]
-
-
 def _one(text: str, camera: str) -> CalibratedLens:
     """The lens of a camera. Raises ValueError."""
-    found = _read(text)
+    found = lenses_of(text)
     named = [name for name in found if _is_of(camera, name)]
     if len(found) > 1 and len(named) != 1:
         raise ValueError(f"{text} has several cameras, {', '.join(found)}: name one, {text}#{next(iter(found))}")
     return found[named[0]] if len(found) > 1 else next(iter(found.values()))
 
 
-def _read(text: str) -> dict[str, CalibratedLens]:
-    """The lenses of an option by the cameras' names: numbers, a file, or a camera of it. Raises OSError, ValueError."""
-    numbers = _numbers(text)
-    if numbers is not None:
-        if len(numbers) - 4 not in (0, *COUNTS):
-            raise ValueError(f"needs {NUMBERS}, of which K1 … may be left out, such as 600,600,320,240, got {text!r}")
-        if min(numbers[:2]) <= 0:
-            raise ValueError(f"focal lengths must be more than 0, got {text!r}")
-        return {"": CalibratedLens((numbers[0], numbers[1]), (numbers[2], numbers[3]), numbers[4:] or None)}
-    path, _, camera = text.partition("#") if not Path(text).exists() else (text, "", "")
-    if not Path(path).exists() and "," in path:
-        raise ValueError(f"needs {NUMBERS}, such as 600,600,320,240, or a file, got {text!r}")
-    found = read_lenses(Path(path))
-    if camera and camera not in found:
-        raise ValueError(f"{path} has no camera {camera!r}; there are {', '.join(found)}")
-    return {camera: found[camera]} if camera else found
+def _is_of(camera: str, name: str) -> bool:
+    return camera in name.lower() or name.lower() == camera[0]

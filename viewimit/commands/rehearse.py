@@ -12,21 +12,21 @@ from ..loop.codegen import as_imitation
 from ..loop.self_calibration import DEFAULT_POSTURES, MIN_POSTURES
 from ..loop.session import Session
 from ..loop.settings import SAFETY, Settings, disturbances
-from ..sensing.files import escape
-from ..simulation.disturbances import ImageDisturbance
-from . import BadInput
-from .json_output import print_json
-from .options import (
+from ..options import (
     ARM,
     DONE,
     MISSED,
     SCENE,
+    BadInput,
     add_json_option,
     add_settings,
     between,
     naming,
     settings_from,
 )
+from ..sensing.files import escape
+from ..simulation.disturbances import ImageDisturbance
+from .json_output import print_json
 
 MAX_POSTURES = 200
 EXTRA_POSTURES = 3  # beside one for each joint, which turns it alone

@@ -13,9 +13,9 @@ from ..drawing.export import figures
 from ..experiments import EXPERIMENTS, ON_PICTURES, Experiment
 from ..experiments.experiment import claims_json, write
 from ..experiments.paper import common
+from ..options import ARM, DONE, MISSED, SCENE, SIGHT, add_json_option, add_settings, naming, settings_from
 from ..simulation.scene import load_scene
 from .json_output import print_json
-from .options import ARM, DONE, MISSED, SCENE, SIGHT, add_json_option, add_settings, naming, settings_from
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

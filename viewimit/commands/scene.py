@@ -8,14 +8,10 @@ from pathlib import Path
 
 import msgspec
 
-from ..simulation.scene import MAX_CHOSEN_JOINTS, load_robot, load_scene, scene_for_urdf
-from ..simulation.scene_writing import scene_file
-from ..simulation.urdf.reference import is_reference, parse_reference
-from . import BadInput
-from .json_output import print_json
-from .options import (
+from ..options import (
     ALL,
     DONE,
+    BadInput,
     add_chain_options,
     add_json_option,
     all_joints,
@@ -24,6 +20,10 @@ from .options import (
     robot_reference,
     tell_choices,
 )
+from ..simulation.scene import MAX_CHOSEN_JOINTS, load_robot, load_scene, scene_for_urdf
+from ..simulation.scene_writing import scene_file
+from ..simulation.urdf.reference import is_reference, parse_reference
+from .json_output import print_json
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

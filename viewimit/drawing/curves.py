@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from ..analysis.convergence import RECENT
 from ..loop.snapshot import Snapshot
-from ..wording import plural
 from . import svg
 from .plots import Axes, Tick, decade_ticks, decades, log10
 
@@ -181,5 +180,4 @@ def describe_errors(errors_deg: Sequence[float]) -> str:
     if len(recent) == 0:
         return ""
     rms = svg.number(np.sqrt(np.mean(recent**2)))
-    text = plural("{now}° off, rms {rms}° over {n} step", "{now}° off, rms {rms}° over {n} steps", len(recent))
-    return text.format(now=svg.number(recent[-1]), rms=rms, n=len(recent))
+    return f"{svg.number(recent[-1])}° off, rms {rms}° over {svg.count_motions(len(recent))}"

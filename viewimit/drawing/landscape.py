@@ -19,7 +19,7 @@ from ..loop.settings import Settings
 from ..loop.snapshot import Snapshot
 from ..servo.certificate import MAX_STD_PER_PX
 from ..simulation.scene import Scene
-from ..wording import listed, plural
+from ..wording import listed
 from . import relief, svg
 from .labels import Label, led
 from .plots import figure
@@ -78,26 +78,20 @@ def describe_weakness(joints: Sequence[int], std_per_px: NDArray[np.float64]) ->
     most = _cost(rest.max()) if len(rest) else ""
     if unobservable:
         others = np.delete(degrees, unobservable)
-        found = plural(
-            "Joint {joints} is unobservable: the pictures hardly show it.",
-            "Joints {joints} are unobservable: the pictures hardly show them.",
-            len(unobservable),
-        )
-        ending = "1 px of noise shifts the others by {angle} at most." if len(others) else "It could be at any angle."
-        angle = _cost(others.max()) if len(others) else ""
-        return [found.format(joints=_listed(joints, unobservable)), ending.format(angle=angle)]
+        subject, be, them = ("Joint", "is", "it") if len(unobservable) == 1 else ("Joints", "are", "them")
+        ending = "It could be at any angle."
+        if len(others):
+            ending = f"1 px of noise shifts the others by {_cost(others.max())} at most."
+        named = f"{subject} {_listed(joints, unobservable)}"
+        return [f"{named} {be} unobservable: the pictures hardly show {them}.", ending]
     if not weak:
         if len(joints) == 1:
             return [f"1 px of noise shifts it by {most}."]
         return [f"No joint is much harder to see: 1 px of noise shifts each by {most} at most."]
-    found = plural("Joint {joints} is hard to see:", "Joints {joints} are hard to see:", len(weak))
-    text = plural(
-        "1 px of noise shifts it by {angles}, and the others by {angle} at most.",
-        "1 px of noise shifts them by {angles}, and the others by {angle} at most.",
-        len(weak),
-    )
+    subject, be, them = ("Joint", "is", "it") if len(weak) == 1 else ("Joints", "are", "them")
     angles = listed([_cost(degrees[k]) for k in weak])
-    return [found.format(joints=_listed(joints, weak)), text.format(angles=angles, angle=most)]
+    found = f"{subject} {_listed(joints, weak)} {be} hard to see:"
+    return [found, f"1 px of noise shifts {them} by {angles}, and the others by {most} at most."]
 
 
 def describe_costs(joints: Sequence[int], std_per_px: NDArray[np.float64], are_worst: bool = False) -> str:
@@ -105,8 +99,7 @@ def describe_costs(joints: Sequence[int], std_per_px: NDArray[np.float64], are_w
     unobservable, degrees = unobservable_joints(std_per_px), np.degrees(std_per_px)
     seen = [f"{svg.joint_symbol(joints[k])} {_cost(degrees[k])}" for k in range(len(joints)) if k not in unobservable]
     names = ", ".join(svg.joint_symbol(joints[k]) for k in sorted(unobservable))
-    text = "noise of 1 px: at most {angles}" if are_worst else "noise of 1 px: {angles}"
-    costs = text.format(angles=", ".join(seen)) if seen else ""
+    costs = f"noise of 1 px: {'at most ' if are_worst else ''}{', '.join(seen)}" if seen else ""
     words = f"{names} unobservable" if unobservable else ""
     return "; ".join(filter(None, (costs, words)))
 
@@ -179,9 +172,9 @@ class LandscapePicture:
         else:
             inside = self._draw(landscape, snapshot)
         note = describe_costs(joints, std_per_px) if std_per_px is not None else ""
-        self._ground = (
-            plane.frame("vi-plane") + inside + plane.axes(note, contours or CONTOURS[snapshot.settings.sensor])
-        )
+        warns = std_per_px is not None and bool(unobservable_joints(std_per_px))
+        axes = plane.axes(note, contours or CONTOURS[snapshot.settings.sensor], warns=warns)
+        self._ground = plane.frame("vi-plane") + inside + axes
         self.html = plane.wrap(self._ground)
         self._path_labels = PathLabels(plane, self._labels)
 
@@ -234,11 +227,11 @@ class LandscapePicture:
         self._above = _marks(marks) + self._above
         left_first = bool(marks[0, 0] <= marks[1, 0] + 1)
         named = (
-            ("demonstrator ({up}°, {across}°)", demo, "vi-lead-demo"),
-            ("smallest E ({up}°, {across}°)", lowest, "vi-lead"),
+            ("demonstrator", demo, "vi-lead-demo"),
+            ("smallest E", lowest, "vi-lead"),
         )
         for k, (text, posture, kind) in enumerate(named):
-            words = text.format(up=svg.number(posture[0], 0), across=svg.number(posture[1], 0))
+            words = f"{text} ({svg.number(posture[0], 0)}°, {svg.number(posture[1], 0)}°)"
             x, y = marks[k].tolist()
             self._labels.append(led(x, y, words, kind, (k == 0) == left_first))
         self._labels += relief.level_labels(grid, landscape.E, labels.bounds, marks[1])
@@ -266,7 +259,7 @@ class LandscapePicture:
         at = self._plane.place(centre)
         enlarged = tuple(middle[k] + (px - at[k]) * self._enlargement for k, px in enumerate((columns, rows)))
         contours = relief.fine_contours((enlarged[0], enlarged[1]), landscape.E[np.ix_(*near)])
-        self._above = _marks(self._zoomed(self._plane.place(np.stack([demo, lowest]))))
+        self._above = f'<g class="vi-detail">{_marks(self._zoomed(self._plane.place(np.stack([demo, lowest]))))}</g>'
         left, top = middle - side
         size = f'width="{INSET - 1}" height="{INSET - 1}" rx="3"'
         frame = f'<rect class="vi-inset" x="{left + 0.5:.1f}" y="{top + 0.5:.1f}" {size}/>'
@@ -296,7 +289,7 @@ class LandscapePicture:
         assert self._zoom is not None
         left, top = self._zoom[0] - INSET / 2
         place = f'x="{left:.1f}" y="{top:.1f}" width="{INSET}" height="{INSET}"'
-        return f'<svg {place} viewBox="{left:.1f} {top:.1f} {INSET} {INSET}">{inside}</svg>'
+        return f'<svg class="vi-detail" {place} viewBox="{left:.1f} {top:.1f} {INSET} {INSET}">{inside}</svg>'
 
 
 def _dot(place: NDArray[np.float64]) -> str:

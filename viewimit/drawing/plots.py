@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..loop.settings import Settings
 from ..simulation.disturbances import Disturbance
-from ..wording import plural
 from . import svg
 from .labels import CHARACTER
 
@@ -268,7 +267,7 @@ def describe_settings(settings: Settings) -> str:
     posture = ", ".join(svg.number(angle, 1 if len(angles) <= 3 else 0) + "°" for angle in angles)
     points = svg.count_points(settings.points)
     if settings.body_points is not None:
-        points = plural("{n} point by hand", "{n} points by hand", settings.points).format(n=settings.points)
+        points += " by hand"
     transfer = f"{settings.transfer} transfer"
     words = [f"{transfer[0].upper()}{transfer[1:]}"]
     if posture:

@@ -115,12 +115,9 @@ def describe(
     """
     if snapshot.pending_postures is not None and snapshot.is_rehearsing:
         left = len(snapshot.pending_postures)
-        sentence = plural(
-            "It watches its own arm, without a demonstrator. {n} pose is left.",
-            "It watches its own arm, without a demonstrator. {n} poses are left.",
-            left,
-        )
-        return StatusMessage(ServoStatus.MOVING if playing else "paused", sentence.format(n=left))
+        poses = f"{left} {plural('pose is', 'poses are', left)} left."
+        sentence = f"It watches its own arm, without a demonstrator. {poses}"
+        return StatusMessage(ServoStatus.MOVING if playing else "paused", sentence)
     if snapshot.awaits_names:
         return _without_names(snapshot, playing)
     if snapshot.transfer is None:
@@ -138,13 +135,10 @@ def describe(
         return StatusMessage(ServoStatus.READY, sentences(f"E is {E} px².", advice), doubt=doubt)
     state, doing = ServoStatus.MOVING if playing else "paused", _says(snapshot)
     trend = None if snapshot.probe else _trend(snapshot, previous)
-    if trend is None:
-        now = "E is {E} px²."
-    elif trend < 0:
-        now = "E is {E} px², falling by {share} % per step."
-    else:
-        now = "E is {E} px², rising by {share} % per step."
-    sentence = now.format(E=E, share=svg.number(100 * abs(trend or 0), 0))
+    sentence = f"E is {E} px²."
+    if trend is not None:
+        way = "falling" if trend < 0 else "rising"
+        sentence = f"E is {E} px², {way} by {svg.number(100 * abs(trend), 0)} % per step."
     return StatusMessage(state, sentences(sentence, doing if playing else ""), doubt=doubt, probe=snapshot.probe)
 
 
@@ -170,9 +164,8 @@ def _costs(known: Certificate, joints: Sequence[int]) -> str:
     costly = [k for k in known.unobservable_joints if known.std_per_px[k] >= MAX_STD_PER_PX]
     if not costly:
         return "E did not rise when the arm moved."
-    shift = "{joint} by {angle}"
-    each = [shift.format(joint=svg.joint_symbol(joints[k]), angle=_angle(known.std_per_px[k])) for k in costly]
-    return "1 px of noise would shift {joints}.".format(joints=", ".join(each))
+    each = [f"{svg.joint_symbol(joints[k])} by {_angle(known.std_per_px[k])}" for k in costly]
+    return f"1 px of noise would shift {', '.join(each)}."
 
 
 def _angle(rad: float) -> str:
@@ -219,27 +212,23 @@ def _named(snapshot: Snapshot) -> str:
     found = naming.names >= 0
     uncertain, alone = np.flatnonzero(found & ~naming.certain).tolist(), int((~found).sum()) + len(naming.unnamed)
     n = int(found.sum())
+    text = f"It is sure of the {plural('name', 'names', n)} of {svg.count_points(n)}."
     if uncertain:
-        text = plural("It named {n} point, uncertainly {points}.", "It named {n} points, uncertainly {points}.", n)
-    else:
-        text = plural("It is sure of the name of {n} point.", "It is sure of the names of {n} points.", n)
-    partners = plural("{n} point has no partner.", "{n} points have no partner.", alone).format(n=alone)
-    points = ", ".join(map(str, uncertain))
-    return sentences(text.format(n=n, points=points), partners if alone else "")
+        text = f"It named {svg.count_points(n)}, uncertainly {', '.join(map(str, uncertain))}."
+    partners = f"{svg.count_points(alone)} {plural('has', 'have', alone)} no partner."
+    return sentences(text, partners if alone else "")
 
 
 def _ill_conditioned(snapshot: Snapshot) -> str:
     """Say why the transfer is ill-conditioned; "" if it is not."""
     assert snapshot.transfer is not None
     condition, method = float(snapshot.transfer.condition), snapshot.method
-    high, too_high = "{name} is {value}, which is high.", "{name} is {value}, far too high."
     if snapshot.flatness >= BADLY_CONDITIONED > condition:
-        return sentences(high.format(name=FLATNESS, value=svg.number(snapshot.flatness, 0)), FLAT)
+        return sentences(f"{FLATNESS} is {svg.number(snapshot.flatness, 0)}, which is high.", FLAT)
     if condition < ILL_CONDITIONED:
         return ""
-    text = too_high if condition >= BADLY_CONDITIONED else high
-    number = text.format(name=method.condition_name, value=svg.number(condition, 0))
-    return sentences(number, method.degenerate_message)
+    words = "far too high" if condition >= BADLY_CONDITIONED else "which is high"
+    return sentences(f"{method.condition_name} is {svg.number(condition, 0)}, {words}.", method.degenerate_message)
 
 
 def describe_truth(joints: Sequence[int], theta: NDArray[np.float64], theta_demo: NDArray[np.float64]) -> str:
@@ -260,31 +249,13 @@ def describe_outcome(
     off = float(np.abs(theta - theta_demo).max())
     if status == ServoStatus.READY:
         return "<b>Ready.</b> Press Play: the blue robot copies the pose of the orange one."
-    if not status.has_ended and playing:
-        text = plural(
-            "<b>Copying:</b> {angle} off after {n} step.", "<b>Copying:</b> {angle} off after {n} steps.", motions
-        )
-    elif not status.has_ended:
-        text = plural(
-            "<b>Paused:</b> {angle} off after {n} step.", "<b>Paused:</b> {angle} off after {n} steps.", motions
-        )
+    if not status.has_ended:
+        words = "<b>Copying:</b>" if playing else "<b>Paused:</b>"
     elif off < COPIED:
-        text = plural(
-            "<b>Copied:</b> {angle} off after {n} step.", "<b>Copied:</b> {angle} off after {n} steps.", motions
-        )
-    elif off < NEARLY:
-        text = plural(
-            "<b>Nearly copied:</b> it stopped {angle} off after {n} step.",
-            "<b>Nearly copied:</b> it stopped {angle} off after {n} steps.",
-            motions,
-        )
+        words = "<b>Copied:</b>"
     else:
-        text = plural(
-            "<b>Not copied:</b> it stopped {angle} off after {n} step.",
-            "<b>Not copied:</b> it stopped {angle} off after {n} steps.",
-            motions,
-        )
-    return text.format(angle=svg.degrees(off), n=motions)
+        words = f"<b>{'Nearly copied' if off < NEARLY else 'Not copied'}:</b> it stopped"
+    return f"{words} {svg.degrees(off)} off after {svg.count_motions(motions)}."
 
 
 def draw_status(message: StatusMessage, truth: str, choices: str = "", outcome: str = "") -> str:

@@ -39,12 +39,12 @@ def degrees(rad: float, digits: int = 1) -> str:
 
 def count_motions(count: int) -> str:
     """Write a number of steps, which are the learner's motions."""
-    return plural("{n} step", "{n} steps", count).format(n=count)
+    return f"{count} {plural('step', 'steps', count)}"
 
 
 def count_points(count: int) -> str:
     """Write a number of body points."""
-    return plural("{n} point", "{n} points", count).format(n=count)
+    return f"{count} {plural('point', 'points', count)}"
 
 
 def joint_symbol(joint: int) -> str:

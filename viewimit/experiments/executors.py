@@ -14,9 +14,9 @@ import os
 import pickle
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor, as_completed
+from concurrent.futures import CancelledError, ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, get_type_hints
 
@@ -32,6 +32,7 @@ CONNECT_S = 30.0  # time to find a scheduler, and then to find its first worker
 LIBRARY = Path(__file__).parents[1]
 WITHOUT_EFFECT = {"app", "assets", "commands", "drawing"}  # packages that change no digit of a result
 Task = tuple[Any, ...]  # the arguments of one call
+Workers = tuple[Callable[..., Any], Callable[[Any], Iterator[Any]]]  # submit a call; futures in the order they end
 
 
 class StudyError(Exception):
@@ -39,7 +40,7 @@ class StudyError(Exception):
 
 
 @contextlib.contextmanager
-def processes(count: int | None, tasks: int) -> Iterator[Executor | None]:
+def processes(count: int | None, tasks: int) -> Iterator[Workers | None]:
     """Open processes on this machine, by default one a processor; None for a single one, which is this one."""
     count = min(count or os.cpu_count() or 1, tasks)
     if count == 1:
@@ -47,7 +48,7 @@ def processes(count: int | None, tasks: int) -> Iterator[Executor | None]:
         return
     pool = ProcessPoolExecutor(count, multiprocessing.get_context("spawn"), _start_worker)
     try:
-        yield pool
+        yield pool.submit, as_completed
     finally:
         pool.shutdown(cancel_futures=True)
 
@@ -58,7 +59,7 @@ def _start_worker() -> None:
 
 
 @contextlib.contextmanager
-def cluster(address: str) -> Iterator[Executor]:
+def cluster(address: str) -> Iterator[Workers]:
     """Open the Dask cluster of this scheduler, which repeats what lost workers had taken. Raises StudyError."""
     if importlib.util.find_spec("distributed") is None:
         raise StudyError(f"{address}: a cluster needs dask.distributed: pip install 'viewimit[cluster]'")
@@ -76,7 +77,8 @@ def cluster(address: str) -> Iterator[Executor]:
             advice = f"start some: dask worker {address} --nthreads 1"
             raise StudyError(f"{address}: that scheduler has no workers; {advice}") from None
         try:
-            yield client.get_executor(pure=False)
+            # Its `get_executor` fails where a worker is lost just as its result is fetched
+            yield partial(client.submit, pure=False), partial(distributed.as_completed, loop=client.loop)
         except CancelledError:
             raise StudyError(f"{address}: the scheduler is lost") from None
         except distributed.KilledWorker as error:
@@ -196,12 +198,13 @@ class Study:
         self, work: Callable[..., Any], tasks: dict[int, Task], stack: contextlib.ExitStack
     ) -> Iterator[tuple[int, tuple[Any, float]]]:
         """Yield each result with its number when it is there, in any order."""
-        executor = stack.enter_context(cluster(self.dask) if self.dask else processes(self.jobs, len(tasks)))
-        if executor is None:
+        workers = stack.enter_context(cluster(self.dask) if self.dask else processes(self.jobs, len(tasks)))
+        if workers is None:
             yield from ((number, carry_out(work, task)) for number, task in tasks.items())
             return
+        submit, completed = workers
         with interrupts_withheld():  # processes start
             packed = ((number, pickle.dumps((work, task))) for number, task in tasks.items())
-            made = {executor.submit(carry_out_elsewhere, one, code_version()): number for number, one in packed}
-        for future in as_completed(made):
+            made = {submit(carry_out_elsewhere, one, code_version()): number for number, one in packed}
+        for future in completed(list(made)):
             yield made.pop(future), future.result()

@@ -1,12 +1,13 @@
 """The snapshots of a session in the order of their motions, and the one that it shows."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .snapshot import Snapshot
+from .snapshot import COMPUTED, Snapshot
 
 MAX_HISTORY = 100_000  # motions a session makes
 RECENT = 64  # last motions whose snapshots keep their computed quantities
@@ -141,7 +142,7 @@ class History(Sequence[Snapshot]):
         for motion in range(first, first + STRIDE):
             one = self._snapshots[motion]
             stands_for_another = one.motion != motion
-            self._snapshots[motion] = self._snapshots[one.motion] if stands_for_another else one.without_cache()
+            self._snapshots[motion] = self._snapshots[one.motion] if stands_for_another else _bare(one)
 
     def _thin(self) -> None:
         """Let each old snapshot that is kept stand for those until the next kept one."""
@@ -150,3 +151,8 @@ class History(Sequence[Snapshot]):
             stride *= 2
         for first in range(EARLY, EARLY + old - stride + 1, stride):
             self._snapshots[first + 1 : first + stride] = [self._snapshots[first]] * (stride - 1)
+
+
+def _bare(snapshot: Snapshot) -> Snapshot:
+    """Drop what was computed of a snapshot."""
+    return replace(snapshot) if COMPUTED & vars(snapshot).keys() else snapshot

@@ -1,24 +1,29 @@
-"""A session: a learner that can be posed, changed, calibrated, undone and replayed. It knows no page and no file."""
+"""A session: what a learner went through, which can be posed, changed, calibrated, undone and replayed.
+
+`learner.Learner` makes each pass of the loop. A session knows no page and no file.
+"""
 
 import copy
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..estimation.residuals import ResidualFunction
 from ..estimation.transfers import TransferFunction, TransferMethod, transfer_method
 from ..estimation.views import FourViews
-from ..servo import Servo, ServoMethod, servo_method
+from ..servo import Observation, Servo, ServoMethod, servo_method
 from ..servo.status import ServoStatus
 from ..simulation.eyes import SimulatedEyes, open_eyes
 from ..simulation.scene import Scene
 from ..simulation.world import World
 from . import rehearsal
-from .embodiment import Arm, Eyes, Opener, round_to_degrees, to_degrees
-from .history import History
-from .learner import Learner
+from .embodiment import Arm, Embodiment, Eyes, Observer, Opener, round_to_degrees, to_degrees
+from .history import MAX_HISTORY, RECENT, History
+from .learner import Learner, same_demonstrator
 from .real_robot import RealRobotOpener
 from .script import (
     Action,
@@ -35,7 +40,7 @@ from .script import (
 from .self_calibration import SelfCalibration
 from .settings import OWN, Settings, warn_of_radians
 from .simulated_robot import OpenEyes, SimulatedRobot, SimulatedRobotOpener
-from .snapshot import CustomMethods, Snapshot
+from .snapshot import CustomMethods, Limits, RunResult, Snapshot
 
 RESTARTING_FIELDS = (  # a change of the body, of the sensor or of the arm's limits restarts the session
     "scene", "robot", "joints", "points", "body_points", "start_deg", "undistort", "sensor", "dynamics", "delay",
@@ -43,13 +48,14 @@ RESTARTING_FIELDS = (  # a change of the body, of the sensor or of the arm's lim
 )  # fmt: skip
 CustomTransfer = str | TransferMethod | TransferFunction
 CustomServo = str | ServoMethod | Servo
+PATIENCE = 100  # looks in a row with too few points, after which a run is given up
 NO_VIEWS = FourViews(np.empty((0, 4)), np.empty((0, 4)), np.empty((0, 4), bool))
 
 
-class Session(Learner):
+class Session:
     """A learner that imitates a demonstrator, and the history of its motions.
 
-    `Learner` has the method, `step` and `run`. A session is not thread-safe: one thread steps it.
+    A session is not thread-safe: one thread steps it.
 
     Parameters
     ----------
@@ -68,10 +74,10 @@ class Session(Learner):
     ----------
     history : History
         All snapshots, by motion.
-    workspace : tuple of NDArray
-        Lowest and highest angles that the arm may be sent to, (m,) rad each.
-    observer, embodiment, log
-        How the bodies are seen, the arm, and the actions so far (`Session.script`).
+    log : Log
+        The actions so far (`Session.script`).
+    learner : Learner
+        The arm and its eyes.
 
     Raises
     ------
@@ -80,6 +86,10 @@ class Session(Learner):
     TypeError
         For an object that is no settings, transfer or servo.
     """
+
+    history: History
+    log: Log
+    learner: Learner
 
     def __init__(
         self,
@@ -153,6 +163,36 @@ class Session(Learner):
         self.begin(msgspec.structs.replace(settings, **names))
 
     @property
+    def snapshot(self) -> Snapshot:
+        """The snapshot that the cursor is on: the present, or a past one."""
+        return self.history.present
+
+    @property
+    def cursor(self) -> int:
+        """Number of motions before the snapshot shown."""
+        return self.history.cursor
+
+    @property
+    def settings(self) -> Settings:
+        """The settings of the snapshot shown."""
+        return self.snapshot.settings
+
+    @property
+    def embodiment(self) -> Embodiment:
+        """The arm, and its view of the demonstrator."""
+        return self.learner.embodiment
+
+    @property
+    def observer(self) -> Observer:
+        """How both bodies are seen."""
+        return self.learner.observer
+
+    @property
+    def workspace(self) -> Limits:
+        """Lowest and highest angles that the arm may be sent to, (m,) rad each."""
+        return self.learner.workspace
+
+    @property
     def script(self) -> Script:
         """The actions that lead to the snapshot shown. Raises ValueError where they are not known."""
         return self.log.script(self.cursor)
@@ -175,8 +215,142 @@ class Session(Learner):
         return self.world.scene
 
     @property
-    def _joint_numbers(self) -> tuple[int, ...]:
-        return self.scene.moving_joints if isinstance(self.embodiment, SimulatedRobot) else ()
+    def _past(self) -> list[Snapshot]:
+        return self.history.recent(RECENT)
+
+    def run(
+        self,
+        max_motions: int = MAX_HISTORY,
+        patience: int = PATIENCE,
+        each: Callable[[Snapshot], None] = lambda snapshot: None,
+    ) -> RunResult:
+        """Step until the servo rests, or a limit is reached.
+
+        Parameters
+        ----------
+        max_motions : int
+            Stop at this motion of the session.
+        patience : int
+            Stop after this number of looks in a row with too few points.
+        each : callable
+            Called with the snapshot after each motion.
+
+        Returns
+        -------
+        RunResult
+            Why the run ended, and how far the arm went.
+        """
+        failed_looks, motions, travel, joint_travel = 0, 0, 0.0, np.zeros_like(self.snapshot.moved)
+        while self.snapshot.motion < max_motions and failed_looks < patience:
+            if self.step():
+                moved = np.abs(self.snapshot.moved)
+                failed_looks, motions, travel = 0, motions + 1, travel + float(moved.max())
+                joint_travel += moved
+                each(self.snapshot)
+            elif self.snapshot.status == ServoStatus.TOO_FEW_POINTS:
+                failed_looks += 1
+            else:
+                break
+        joints = self.scene.moving_joints if isinstance(self.embodiment, SimulatedRobot) else ()
+        return RunResult(motions, travel, joint_travel, self.snapshot, joints)
+
+    def step(self) -> bool:
+        """Make one pass of the loop: ask the servo, move the arm, look.
+
+        A motion longer than `Settings.max_step_deg` takes several passes; the servo is asked again after the last. A
+        step from a past snapshot drops the history after it.
+
+        Returns
+        -------
+        bool
+            False if the arm did not move: the servo rests, or too few points are visible.
+        """
+        now = self.snapshot
+        looked = now.is_blind and not now.is_rehearsing
+        if looked:  # again with the arm held still, as too few points were visible
+            now = self.learner.look(self._past, status=now.awake_status)
+            self.history.replace(now)
+        after = now if looked and now.leaves_servo_blind else self.learner.step(self._past)
+        if after.motion == now.motion:
+            self.log.note(now.motion, Steps(1))
+            self.history.replace(after)
+            return False
+        self.log.note_on(now.motion, looked)
+        self.history.append(after)
+        return True
+
+    def look(self) -> bool:
+        """Look again without a motion. A servo at rest resumes if the demonstrator has moved.
+
+        A real demonstrator moves by itself; in a scene `pose` moves it.
+
+        Returns
+        -------
+        bool
+            Whether the demonstrator has moved.
+        """
+        now, after = self.snapshot, self.learner.look(self._past)
+        moved = not same_demonstrator(now, after)
+        self.log.note(now.motion, Looks(1))
+        wakes = after.transfer is not None and (moved or now.transfer is None)
+        self.history.replace(after.with_fields(status=after.awake_status) if wakes else after)
+        return moved
+
+    def observe(self, theta: NDArray[np.float64], like: Snapshot, **changes: Any) -> Snapshot:
+        """Evaluate what the learner would see with its arm at theta. Nothing moves, and nothing is recorded.
+
+        Parameters
+        ----------
+        theta : (m,) array
+            Posture of the learner [rad].
+        like : Snapshot
+            Gives all other fields.
+        **changes
+            Fields that differ from those of `like`.
+
+        Returns
+        -------
+        Snapshot
+            Views, transfer and E at theta.
+
+        Raises
+        ------
+        ValueError
+            For eyes of your own at another posture than the present one: they see the arm only where it is.
+        """
+        if not self.observer.sees_any_posture and not np.array_equal(theta, self.snapshot.theta):
+            raise ValueError("eyes of your own see the arm only where it stands: let it move there, and look()")
+        return self.learner.seen(self._past, theta, like, **changes)
+
+    def observation(self, now: Snapshot) -> Observation:
+        """Select what a servo is given of a snapshot.
+
+        Parameters
+        ----------
+        now : Snapshot
+            Of this session.
+
+        Returns
+        -------
+        Observation
+            Image points and displacements, no posture.
+        """
+        return self.learner.observation(now)
+
+    def predicted_residuals(self, now: Snapshot) -> ResidualFunction:
+        """Make the function that a servo calls for the residuals of images that it predicts.
+
+        Parameters
+        ----------
+        now : Snapshot
+            Gives the demonstrator's images.
+
+        Returns
+        -------
+        ResidualFunction
+            Own images (..., N, 4) px → residuals (..., n, C) px.
+        """
+        return self.learner.predicted_residuals(self._past, now)
 
     def change(self, **fields: Any) -> None:
         """Change fields of the settings from here on.
@@ -228,10 +402,8 @@ class Session(Learner):
             theta_demo = round_to_degrees(theta_demo, self.embodiment.lower, self.embodiment.upper)
             settings = msgspec.structs.replace(settings, demonstrator_deg=to_degrees(theta_demo))
         theta_demo = self.embodiment.settle_demonstrator(theta_demo)
-        status = now.awake_status
-        now = self._seen(now.theta, now, settings=settings, theta_demo=theta_demo, status=status, target=None)
-        if now.servo_state is not None:
-            now = now.with_fields(servo_state=now.servo.retarget(now.servo_state, self.observation(now)))
+        changes = {"settings": settings, "theta_demo": theta_demo, "status": now.awake_status, "target": None}
+        now = self.learner.retargeted(self.learner.seen(self._past, now.theta, now, **changes))
         self.log.note(now.motion, action, merge_poses=isinstance(self.embodiment, SimulatedRobot))
         self.history.replace(now)
 
@@ -344,18 +516,8 @@ class Session(Learner):
         for action in script.actions:
             times = action.times if isinstance(action, Steps | Looks) else 1
             for _ in range(times):
-                self.do(type(action)(1) if isinstance(action, Steps | Looks) else action)
+                play_action(self, type(action)(1) if isinstance(action, Steps | Looks) else action)
                 yield
-
-    def do(self, action: Action) -> None:
-        """Repeat one recorded action.
-
-        Parameters
-        ----------
-        action : Action
-            Of a script. ValueError if it is impossible.
-        """
-        play_action(self, action)
 
     def undo(self) -> bool:
         """Go one motion back. The later motions stay until the next step.
@@ -408,7 +570,8 @@ class Session(Learner):
         """
         shown = history[cursor]
         self._begin(shown.settings, CustomMethods(shown.custom_transfer, shown.custom_servo))
-        self.observer, sent = self.embodiment.observer(history[0].theta), self.snapshot.commanded
+        sent, observer = self.snapshot.commanded, self.embodiment.observer(history[0].theta)
+        self.learner = replace(self.learner, observer=observer)
         self.history, self.log = self._history(history, cursor), Log.unknown() if log is None else log.copy()
         self.embodiment.revisit(self.settings, sent, self.snapshot.commanded)
 
@@ -445,20 +608,19 @@ class Session(Learner):
         custom.require(settings)
         kept, sent = (self.snapshot.calibration, self.snapshot.commanded) if hasattr(self, "history") else (None, None)
         begun = self._open(settings, sent)
-        settings, self.embodiment, self.workspace = begun.settings, begun.embodiment, begun.workspace
-        theta = begun.theta
-        calibration = kept if kept is not None and kept.body == self.embodiment.body(settings) else None
+        embodiment, settings = begun.embodiment, begun.settings
+        calibration = kept if kept is not None and kept.body == embodiment.body(settings) else None
         log = Log(Script(settings)) if calibration is None else self.log.begin(self.cursor, settings)
-        self.observer = self.embodiment.observer(theta)
+        learner = Learner(embodiment, embodiment.observer(begun.theta), begun.workspace)
         blank = Snapshot(
-            settings=settings, motion=0, look=0, theta=theta, theta_demo=begun.theta_demo, views=NO_VIEWS,
+            settings=settings, motion=0, look=0, theta=begun.theta, theta_demo=begun.theta_demo, views=NO_VIEWS,
             rectification=None, E=np.nan, commanded=begun.start, moved=np.zeros_like(begun.start), probe=False,
             status=ServoStatus.READY, servo_state=None, lag=None, converged_transfer=None, calibration=calibration,
             custom_transfer=custom.transfer, custom_servo=custom.servo,
         )  # fmt: skip
-        self.history = self._history([blank], 0)
-        self.history.replace(self._seen(theta, blank))
-        self.log, self._custom = log, custom
+        first = learner.seen([blank], begun.theta, blank)
+        self.learner, self.log, self._custom = learner, log, custom
+        self.history = self._history([first], 0)
 
     def _history(self, snapshots: Sequence[Snapshot], cursor: int) -> History:
         joints = self.embodiment.body(snapshots[cursor].settings).joints

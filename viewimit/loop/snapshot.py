@@ -1,25 +1,23 @@
 """The records of the loop: `Snapshot`, of one pass, and `RunResult`, of a whole run."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple, TypeVar
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.prediction import AT_REST, PredictedResiduals
-from ..estimation.rectification import fit_transfer
+from ..estimation.rectification import fit_transfer, rectify_views
 from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod
 from ..estimation.views import FourViews, Pairs
-from ..geometry.affine import MIN_POINTS, PairGeometry
+from ..geometry.affine import LINE_VIEWS, MIN_POINTS, PairGeometry, fit_pairs, flatness
 from ..geometry.rectification import Rectification
-from ..servo import SERVOS, Certificate, Misfit, Naming, Observation, ServoMethod, ServoStatus, verdict
+from ..servo import SERVOS, Certificate, Misfit, Naming, ServoMethod, ServoState, ServoStatus, verdict
 from ..servo.observation import repeat_xy
 from ..wording import sentences
 from .demonstrator import Images, average_looks
-from .evaluation import Evaluation
-from .self_calibration import MIN_POSTURES, SelfCalibration
-from .servo_state import StateAttributes
+from .self_calibration import SelfCalibration
 from .settings import OWN, Settings
 
 Limits = tuple[NDArray[np.float64], NDArray[np.float64]]  # lowest and highest angles, (m,) rad each
@@ -29,7 +27,7 @@ Limits = tuple[NDArray[np.float64], NDArray[np.float64]]  # lowest and highest a
 class Snapshot:
     """The session after a motion: an immutable record of one pass of the loop.
 
-    The fields are recorded. All other quantities follow from `views` and `settings`, and are computed when first used.
+    The fields are recorded. All other quantities follow from them, are computed when first used, and then kept.
     """
 
     settings: Settings
@@ -54,6 +52,7 @@ class Snapshot:
     custom_servo: ServoMethod | None = None  # given to the session itself; settings call it OWN
     demo_looks: tuple[Images, ...] = ()  # at the demonstrator since it last moved, in the order of the eyes
     n_rejected: int = 0  # points that all images show and that contradict the epipolar geometry of one rigid head
+    frozen_transfer: FittedTransfer | None = None  # fitted elsewhere, replaces the one fitted here
 
     @property
     def method(self) -> TransferMethod:
@@ -67,81 +66,57 @@ class Snapshot:
         """The servo that the settings name. Raises ValueError for one that no session was given."""
         return SERVOS[self.settings.servo] if self.settings.servo != OWN else require_given("servo", self.custom_servo)
 
-    @property
-    def evaluation(self) -> Evaluation:
-        """What the method computes from `views`. Snapshots of the same views share it (`with_fields`)."""
-        found = _EVALUATIONS.get(self)
-        if found is None:
-            found = _EVALUATIONS.setdefault(self, Evaluation(self.views, self.rectification, self.method))
-        return found
+    # What the method computes from the views: transfer → recovered points → residuals e → E
 
     @property
     def usable(self) -> NDArray[np.bool_]:
         """(N,) bool: visible in all four views."""
         return self.views.usable
 
+    @cached_property
+    def _fitted(self) -> FittedTransfer | None:
+        if np.count_nonzero(self.views.usable) < MIN_POINTS:
+            return None
+        return self.fit(self.views.used)
+
     @property
     def transfer(self) -> FittedTransfer | None:
-        """The transfer fitted to the usable points; None with fewer than MIN_POINTS."""
-        return self.evaluation.transfer
+        """The transfer fitted to the usable points, or the frozen one; None with fewer than MIN_POINTS."""
+        return self._fitted if self.frozen_transfer is None else self.frozen_transfer
 
-    @property
+    @cached_property
     def recovered(self) -> NDArray[np.float64]:
         """(N, 4) px: the demonstrator's points, transferred to [L, R]; NaN if not usable."""
-        return self.evaluation.recovered
+        seen, transfer = self.views.used, self.transfer
+        if transfer is not None and seen is self.views:
+            return transfer.recover(seen.demo_left, seen.demo_right)
+        recovered = np.full_like(self.views.own, np.nan)
+        if transfer is not None:
+            recovered[self.views.usable] = transfer.recover(seen.demo_left, seen.demo_right)
+        return recovered
 
-    @property
+    @cached_property
     def e(self) -> NDArray[np.float64]:
         """(N, 4) px: residuals in [L, R], own minus recovered points; NaN if not usable."""
-        return self.evaluation.e
+        return self.views.own - self.recovered
 
-    @property
+    @cached_property
     def residual(self) -> NDArray[np.float64]:
         """(n, C) px: residuals of the usable points, whose squares make E. Needs a transfer."""
-        return self.evaluation.residual
+        assert self.transfer is not None
+        return self.transfer.residual(self.views.used)
 
-    @property
+    @cached_property
     def flatness(self) -> float:
         """σ1/σ3 of the demonstrator's usable points in [l, r]; inf with too few of them."""
-        return self.evaluation.flatness
+        return np.inf if self.transfer is None else _flatness(self.views.used.demo.tobytes())
 
-    @property
+    @cached_property
     def fundamental(self) -> PairGeometry | None:
         """Affine epipolar geometry of the six pairs of views, from the usable points; None with too few of them."""
-        return self.evaluation.fundamental
-
-    @property
-    def shown(self) -> int:
-        """Number of the demonstrator's points that are visible in both images."""
-        return int(np.count_nonzero(self.views.visible[:, :2].all(-1)))
-
-    @property
-    def shows_demonstrator(self) -> bool:
-        """Whether enough of the demonstrator's points are visible for a transfer."""
-        return self.shown >= MIN_POINTS
-
-    @property
-    def awaits_names(self) -> bool:
-        """Whether the demonstrator is visible, and its points are still to be named."""
-        return not self.views.matched and self.shows_demonstrator
-
-    def is_renamed_by(self, servo_state: Any) -> bool:
-        """Whether a servo's state has other names for the demonstrator's points than these views.
-
-        Parameters
-        ----------
-        servo_state : any
-            The servo's answer to this snapshot.
-
-        Returns
-        -------
-        bool
-            Whether to look again, with the points in another order.
-        """
-        names, here = StateAttributes.of(servo_state).names, self._state.names
-        if names is None or self.settings.matched:
-            return False
-        return not self.views.matched or here is None or not np.array_equal(names, here)
+        views = self.views if self.rectification is None else rectify_views(self.views, self.rectification)
+        known = None if self._fitted is None else self._fitted.fundamentals
+        return fit_pairs(np.concatenate([views.demo, views.own], 1)[self.views.usable], known)
 
     def fit(self, views: FourViews, by: str | None = None) -> FittedTransfer:
         """Fit a transfer to views, rectified as here.
@@ -160,26 +135,86 @@ class Snapshot:
         """
         return fit_transfer(TRANSFERS[by] if by else self.method, views, self.rectification)
 
-    @property
-    def awake_status(self) -> ServoStatus:
-        """The status of a session at this motion whose servo will be asked again."""
-        return ServoStatus.READY if self.motion == 0 else ServoStatus.MOVING
-
-    def shows_same_demonstrator(self, other: "Snapshot") -> bool:
-        """Compare the demonstrator's images.
+    def epipolar_lines(self, point: int) -> NDArray[np.float64] | None:
+        """Compute the epipolar lines of a body point in the original images.
 
         Parameters
         ----------
-        other : Snapshot
-            The one to compare with.
+        point : int
+            Index of the point.
 
         Returns
         -------
-        bool
-            Whether they are equal.
+        (12, 3) array or None
+            Lines as `PairGeometry.lines`; those in rectified images are mapped back. None with too few points.
         """
-        one, demo = self.views.demo, other.views.demo
-        return one is demo or np.array_equal(one, demo, equal_nan=True)
+        if self.fundamental is None:
+            return None
+        images, by = np.stack([self.views.demo[point], self.views.own[point]]), self.rectification
+        if by is None:
+            return self.fundamental.lines(images.reshape(4, 2))
+        lines = self.fundamental.lines(by.apply(images).reshape(4, 2))
+        return np.einsum("ki,kij->kj", lines, np.stack([by.left, by.right])[LINE_VIEWS % 2])
+
+    def predicted_residuals(
+        self,
+        velocity: NDArray[np.float64] = AT_REST,
+        noise_px: float = 0.0,
+        mirror_columns: bool = True,
+    ) -> PredictedResiduals:
+        """Make the function that a servo calls for the residuals of images that it predicts.
+
+        Parameters
+        ----------
+        velocity : (N, 4) array
+            Of the demonstrator's points [px a look].
+        noise_px : float
+            Standard deviation of an image coordinate.
+        mirror_columns : bool
+            As of `PredictedResiduals`.
+
+        Returns
+        -------
+        PredictedResiduals
+            Own images (..., N, 4) px → residuals (..., n, C) px.
+        """
+        return PredictedResiduals(
+            self.views,
+            self.method,
+            self.rectification,
+            noise_px=noise_px,
+            velocity=velocity,
+            converged=self.converged_transfer,
+            mirror_columns=mirror_columns,
+        )
+
+    # What is seen of the demonstrator
+
+    @property
+    def shown(self) -> int:
+        """Number of the demonstrator's points that are visible in both images."""
+        return int(np.count_nonzero(self.views.visible[:, :2].all(-1)))
+
+    @property
+    def shows_demonstrator(self) -> bool:
+        """Whether enough of the demonstrator's points are visible for a transfer."""
+        return self.shown >= MIN_POINTS
+
+    @property
+    def awaits_names(self) -> bool:
+        """Whether the demonstrator is visible, and its points are still to be named."""
+        return not self.views.matched and self.shows_demonstrator
+
+    @property
+    def is_blind(self) -> bool:
+        """Whether too few points are visible for E, and the learner knows no more to do than to look again."""
+        return self.transfer is None and self.target is None and not self.awaits_names
+
+    @property
+    def leaves_servo_blind(self) -> bool:
+        """Whether the servo cannot lead on: it has no E, and predicts no images or does not see the demonstrator."""
+        goes_on = self.servo_state is not None and self.servo.predicts and self.shows_demonstrator
+        return self.transfer is None and not goes_on
 
     def demonstrator_average(self, noise_px: float, fixed_px: float) -> tuple[NDArray[np.float64] | None, float | None]:
         """Average all looks at the demonstrator since it last moved.
@@ -200,17 +235,60 @@ class Snapshot:
         if len(self.demo_looks) < 2:
             return None, None
         (points, visible), noise_px = average_looks(self.demo_looks, noise_px, fixed_px)
-        first = self._in_order(self.demo_looks[0][0], self.demo_looks[0][1])
+        first, average = self._in_order(*self.demo_looks[0]), self._in_order(points, visible)
         rejected = first.visible[:, :2] & ~self.views.visible[:, :2]
-        average = self._in_order(points, visible)
         return np.where(repeat_xy(average.visible[:, :2] & ~rejected), average.demo, np.nan), noise_px
 
     def _in_order(self, demo: NDArray[np.float64], visible: NDArray[np.bool_]) -> FourViews:
         """Put the demonstrator's points, (N, 4) px, in the order of `views`. visible: (N, 2)."""
         views = FourViews(demo, self.views.own, np.concatenate([visible, self.views.visible[:, 2:]], -1))
-        if not self.settings.matched and self.views.matched and self._state.names is not None:
-            views = views.named(self._state.names)
+        names = self.says.names
+        if not self.settings.matched and self.views.matched and names is not None:
+            views = views.named(names)
         return views.permuted(self.exchanged)
+
+    # What the servo says
+
+    @cached_property
+    def says(self) -> ServoState:
+        """What the servo's state says, and defaults for what it does not."""
+        return ServoState.of(self.servo_state)
+
+    @property
+    def certificate(self) -> Certificate | None:
+        """The servo's convergence test; None if it makes none."""
+        return self.says.certificate
+
+    @property
+    def exchanged(self) -> Pairs:
+        """Pairs of the demonstrator's points that the servo considers swapped; `views` are corrected."""
+        return self.says.exchanged
+
+    @property
+    def misfit(self) -> Misfit | None:
+        """Why the demonstrator's images fit no posture of the own body, as the servo found; None: no sign of that."""
+        return self.says.misfit
+
+    @property
+    def naming(self) -> Naming | None:
+        """What the servo found about the names of the demonstrator's points; None if they came with names."""
+        return self.says.naming
+
+    @property
+    def correspondences(self) -> tuple[Any, ...]:
+        """Compares equal if the servo takes the demonstrator's points for the same own points, in the same order."""
+        names = self.says.names
+        return self.views.matched, self.exchanged, None if names is None else names.tobytes()
+
+    @property
+    def expected_error(self) -> float | None:
+        """rad, of the worst joint, as the servo estimates it (`Certificate.simultaneous_std_error`), or None."""
+        return None if self.certificate is None else self.certificate.simultaneous_std_error
+
+    @property
+    def awake_status(self) -> ServoStatus:
+        """The status of a session at this motion whose servo will be asked again."""
+        return ServoStatus.READY if self.motion == 0 else ServoStatus.MOVING
 
     @property
     def is_rehearsing(self) -> bool:
@@ -222,85 +300,27 @@ class Snapshot:
         """Whether the servo still uses the calibration; None without one, or before the servo was asked."""
         if self.calibration is None or self.servo_state is None:
             return None
-        return bool(self._state.calibration)
+        return bool(self.says.calibration)
 
-    @property
-    def certificate(self) -> Certificate | None:
-        """The servo's convergence test; None if it makes none."""
-        return self._state.certificate
-
-    @property
-    def exchanged(self) -> Pairs:
-        """Pairs of the demonstrator's points that the servo considers swapped; `views` are corrected."""
-        return self._state.exchanged
-
-    @property
-    def misfit(self) -> Misfit | None:
-        """Why the demonstrator's images fit no posture of the own body, as the servo found; None: no sign of that."""
-        return self._state.misfit
-
-    @property
-    def correspondences(self) -> tuple[Any, ...]:
-        """Compares equal if the servo takes the demonstrator's points for the same own points, in the same order."""
-        names = self._state.names
-        return self.views.matched, self.exchanged, None if names is None else names.tobytes()
-
-    @property
-    def naming(self) -> Naming | None:
-        """What the servo found about the names of the demonstrator's points; None if they came with names."""
-        return self._state.naming
-
-    @property
-    def _state(self) -> StateAttributes:
-        return StateAttributes.of(self.servo_state)
-
-    @property
-    def expected_error(self) -> float | None:
-        """rad, of the worst joint, as the servo estimates it (`Certificate.simultaneous_std_error`), or None."""
-        return None if self.certificate is None else self.certificate.simultaneous_std_error
+    # Other snapshots made of this one
 
     def with_fields(self, **changes: Any) -> "Snapshot":
-        """Make a snapshot with other values of some fields. It shares the evaluation if views and transfer stay.
+        """Make a snapshot with other values of some fields. What was computed from those that stay is kept.
 
         Parameters
         ----------
         **changes
-            Fields and their values.
+            Fields and their values. TypeError for another name.
 
         Returns
         -------
         Snapshot
             The other one.
-
-        Raises
-        ------
-        TypeError
-            For another name.
         """
-        if not changes.keys() <= FIELDS:
-            raise TypeError(f"a snapshot has no fields {', '.join(sorted(changes.keys() - FIELDS))}")
         other = replace(self, **changes)
-        found = _EVALUATIONS.get(self)
-        if found is not None and found.is_of(other.views, other.rectification, other.method):
-            _EVALUATIONS[other] = found
+        if all(getattr(self, name) is getattr(other, name) for name in COMPUTED_FROM):
+            other.__dict__.update({name: value for name, value in self.__dict__.items() if name in COMPUTED})
         return other
-
-    def at_rest(self, servo_state: Any) -> "Snapshot":
-        """Record that the servo asks for no motion.
-
-        Parameters
-        ----------
-        servo_state : any
-            The state that it returned.
-
-        Returns
-        -------
-        Snapshot
-            With the status of a servo at rest.
-        """
-        status = StateAttributes.of(servo_state).status_at_rest
-        converged_transfer = self.transfer if status.is_at_minimum else self.converged_transfer
-        return self.with_fields(servo_state=servo_state, status=status, converged_transfer=converged_transfer)
 
     def recovered_by(self, transfer: FittedTransfer) -> "Snapshot":
         """Evaluate the same views with a transfer that was fitted elsewhere.
@@ -316,56 +336,21 @@ class Snapshot:
             With the residuals and E of that transfer.
         """
         if not self.usable.any():
-            return self.without_cache()
-        evaluation = replace(self.evaluation, frozen=transfer)
-        square = float((evaluation.e[self.usable] ** 2).sum())
-        other = replace(self, E=square / (2 * int(self.usable.sum())))
-        _EVALUATIONS[other] = evaluation
-        return other
-
-    def without_cache(self) -> "Snapshot":
-        """Drop the evaluation.
-
-        Returns
-        -------
-        Snapshot
-            One that computes it again when it is used: this one, if it has none.
-        """
-        return replace(self) if self in _EVALUATIONS else self
-
-    def keeps_the_same(self, other: "Snapshot") -> bool:
-        """Compare two snapshots by their fields.
-
-        Parameters
-        ----------
-        other : Snapshot
-            The one to compare with.
-
-        Returns
-        -------
-        bool
-            Whether all fields are identical objects.
-        """
-        return all(getattr(self, name) is getattr(other, name) for name in FIELDS)
-
-    def epipolar_lines(self, point: int) -> NDArray[np.float64] | None:
-        """Compute the epipolar lines of a body point in the original images.
-
-        Parameters
-        ----------
-        point : int
-            Index of the point.
-
-        Returns
-        -------
-        (12, 3) array or None
-            Lines as `PairGeometry.lines`; those in rectified images are mapped back. None with too few points.
-        """
-        return self.evaluation.epipolar_lines(point)
+            return self
+        other = self.with_fields(frozen_transfer=transfer)
+        square = float((other.e[self.usable] ** 2).sum())
+        return other.with_fields(E=square / (2 * int(self.usable.sum())))
 
 
-FIELDS = frozenset(field.name for field in fields(Snapshot))
-_EVALUATIONS: WeakKeyDictionary[Snapshot, Evaluation] = WeakKeyDictionary()  # those that were used; see `evaluation`
+COMPUTED_FROM = "views", "rectification", "method", "frozen_transfer"
+COMPUTED = {"_fitted", "recovered", "e", "residual", "flatness", "fundamental"}
+
+
+@lru_cache(64)  # the images of a demonstrator that stands still are the same at every motion
+def _flatness(demo: bytes) -> float:
+    return flatness(np.frombuffer(demo).reshape(-1, 4))
+
+
 T = TypeVar("T")
 
 
@@ -391,61 +376,6 @@ class CustomMethods(NamedTuple):
         if not settings.matched and servo is not None and not servo.names_points:
             able = ", ".join(name for name, found in SERVOS.items() if found.names_points)
             raise ValueError(f"matched: the servo {settings.servo!r} needs points with names; {able} finds the names")
-
-
-def observation(
-    now: Snapshot, workspace: Limits, lower: NDArray[np.float64], noise_px: float, fixed_px: float
-) -> Observation:
-    """Select what a servo is given of a snapshot.
-
-    workspace: lowest and highest angles that the arm may be sent to, (m,) rad each; lower: (m,) rad, the arm's own
-    limits, from which a calibration counts; noise_px: standard deviation of an image coordinate, fixed_px: the part of
-    it that no averaging reduces.
-    """
-    start, demo_seen, seen = now.settings.start_rad, now.views.visible[:, :2], now.views.visible[:, 2:]
-    average, demo_noise_px = now.demonstrator_average(noise_px, fixed_px)
-    known = now.calibration if now.calibration is not None and len(now.calibration) >= MIN_POSTURES else None
-    return Observation(
-        own=now.views.own if now.views.complete else np.where(repeat_xy(seen), now.views.own, np.nan),
-        seen=seen,
-        demo=np.where(repeat_xy(demo_seen), now.views.demo, np.nan),
-        demo_average=average,
-        demo_noise_px=demo_noise_px,
-        E=now.E,
-        displacement=now.commanded - start,
-        lower=workspace[0] - start,
-        upper=workspace[1] - start,
-        motion=now.motion,
-        residual=now.e,
-        noise_px=noise_px if known is None else max(noise_px, known.noise_px),
-        matched=now.views.matched,
-        calibration=() if known is None else known.seen_from(lower - start),
-        rectification=now.rectification,
-        max_step=now.settings.max_step,
-        seed=now.settings.seed,
-    )
-
-
-def predicted_residuals(
-    now: Snapshot,
-    velocity: NDArray[np.float64] = AT_REST,
-    noise_px: float = 0.0,
-    mirror_columns: bool = True,
-) -> PredictedResiduals:
-    """The residuals of predicted images against a snapshot's demonstrator.
-
-    velocity: (N, 4) px a look, of the demonstrator's points; noise_px: standard deviation of an image coordinate;
-    mirror_columns: as of `PredictedResiduals`.
-    """
-    return PredictedResiduals(
-        now.views,
-        now.method,
-        now.rectification,
-        noise_px=noise_px,
-        velocity=velocity,
-        converged=now.converged_transfer,
-        mirror_columns=mirror_columns,
-    )
 
 
 @dataclass(frozen=True, repr=False)

@@ -14,7 +14,9 @@ from typing import Any
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
+from ..geometry.distortion import LensDistortion
 from .files import MEGABYTE, parse_toml, read_bytes
 
 MATRICES = "cameramatrix|intrinsicmatrix|intrinsicsmatrix|intrinsics|intrinsic|matrix|mtx|k|m"
@@ -35,6 +37,10 @@ MODELS = (
     "rationalpolynomial",
     "",
 )
+COUNTS = 2, 4, 5  # of coefficients that may be given
+NUMBERS = "FX,FY,CX,CY,K1,K2,P1,P2,K3"
+BEYOND = 0.1  # of the points' extent, by which a lens's centre lies outside before it is mentioned
+Floats = NDArray[np.float64]
 N_COEFFICIENTS = 5  # k1, k2, p1, p2, k3
 UNDISTORT = "remove the distortion from the table: points = cv2{}.undistortPoints(points, K, D, P=K)"
 TOKEN = re.compile(r"\s*([\[\]{},]|\"[^\"]*\"|'[^']*'|[^\[\]{},]+)")
@@ -48,6 +54,43 @@ class CalibratedLens:
     centre: tuple[float, float]  # px
     coefficients: tuple[float, ...] | None  # k1, k2, and perhaps p1, p2, k3; None if they are not known
     size: tuple[float, float] | None = None  # width and height of its pictures [px]
+
+    def straightened(self, image: Floats, camera: str) -> Floats:
+        """Return an image, (..., 2) px, without its distortion. Raises ValueError that names the camera."""
+        by = LensDistortion.of(*(self.coefficients or (0.0, 0.0)))
+        on_plane = (image - self.centre) / self.focal
+        found = by.undistorted(on_plane)
+        folded = np.isnan(found).any(-1) & np.isfinite(on_plane).all(-1)
+        if folded.any():
+            farthest = np.linalg.norm(on_plane[folded], axis=-1).max()
+            raise ValueError(
+                f"the lens shows nothing from {by.radial.max_distorted_radius:.3g} focal lengths on, where it folds "
+                f"its image; a point of the {camera} camera is {farthest:.3g} from the centre"
+            )
+        return found * self.focal + self.centre
+
+    def doubts(self, points: Floats) -> Iterator[str]:
+        """Yield what speaks against it, given the points of its images, (N, 2) px."""
+        points = points[np.isfinite(points).all(-1)]
+        if not len(points):
+            return
+        low, high, centre = points.min(0), points.max(0), np.array(self.centre)
+        size = 2 * centre if self.size is None else np.array(self.size)
+        if (high > size * (1.0 if self.size else 1 + BEYOND)).any():
+            made = "of" if self.size else "of about"
+            yield (
+                f"points lie as far as {high[0]:.0f},{high[1]:.0f}, and the lens is {made} pictures of "
+                f"{size[0]:.0f} x {size[1]:.0f} px: calibrate it at the size of the tracked pictures"
+            )
+            return
+        margin = BEYOND * (high - low)
+        before, after = centre < low - margin, centre > high + margin
+        sides = [word for word, is_so in zip(("right of", "below", "left of", "above"), (*before, *after)) if is_so]
+        if sides:
+            yield (
+                f"all points lie {' and '.join(sides)} the lens's centre, {centre[0]:g},{centre[1]:g}: "
+                "is it calibrated at another picture size?"
+            )
 
 
 def read_lenses(path: Path) -> dict[str, CalibratedLens]:
@@ -248,3 +291,32 @@ def _scalar(text: str) -> Any:
         return float(text)
     except ValueError:
         return {"true": True, "false": False}.get(text.lower(), text)
+
+
+def numbers_in(text: str) -> tuple[float, ...] | None:
+    """Return finite numbers that are separated by commas; None for other text."""
+    try:
+        found = tuple(float(word) for word in text.split(","))
+    except ValueError:
+        return None
+    return found if np.isfinite(found).all() else None
+
+
+def lenses_of(text: str) -> dict[str, CalibratedLens]:
+    """Return lenses by their cameras' names, as a text says them: numbers, a file, or a camera of it.
+
+    Raises OSError, ValueError."""
+    numbers = numbers_in(text)
+    if numbers is not None:
+        if len(numbers) - 4 not in (0, *COUNTS):
+            raise ValueError(f"needs {NUMBERS}, of which K1 … may be left out, such as 600,600,320,240, got {text!r}")
+        if min(numbers[:2]) <= 0:
+            raise ValueError(f"focal lengths must be more than 0, got {text!r}")
+        return {"": CalibratedLens((numbers[0], numbers[1]), (numbers[2], numbers[3]), numbers[4:] or None)}
+    path, _, camera = text.partition("#") if not Path(text).exists() else (text, "", "")
+    if not Path(path).exists() and "," in path:
+        raise ValueError(f"needs {NUMBERS}, such as 600,600,320,240, or a file, got {text!r}")
+    found = read_lenses(Path(path))
+    if camera and camera not in found:
+        raise ValueError(f"{path} has no camera {camera!r}; there are {', '.join(found)}")
+    return {camera: found[camera]} if camera else found

@@ -4,7 +4,7 @@ A servo sees image points and its own displacements, never a posture, a body or 
 effects. Everything that is said about a servo is in `registry`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -17,6 +17,8 @@ from .misfit import Misfit
 from .naming import Naming
 from .observation import Observation, Visit
 from .status import ServoStatus
+
+SERVO_STATUSES = (ServoStatus.MOVING, *(status for status in ServoStatus if status.is_at_rest))
 
 
 @runtime_checkable
@@ -90,50 +92,68 @@ class Retargetable(Protocol):
         ...
 
 
-class ServoState(Protocol):
-    """Attributes that a session reads from a servo's state. A state may lack any of them."""
+@dataclass(frozen=True)
+class ServoState:
+    """What a session reads from a servo's state: attributes of these names. A state may lack any of them.
+
+    Attributes
+    ----------
+    status : str or None
+        Why the servo rests, as a `ServoStatus` or its value: converged, settled, unobservable or no-progress. It is
+        moving with a motion that is not 0. A servo that rests and still reports moving has found no way to a smaller
+        E: no-progress. Without this attribute a servo that rests has settled. Converged needs `certificate`.
+    probe : bool
+        Whether the motion is made to learn from it, and not to arrive.
+    certificate : Certificate or None
+        Evidence of convergence at the posture where E is smallest. None: then it cannot be claimed.
+    naming : Naming or None
+        Names of the demonstrator's points, if they came without. Only an accepted naming is used. Once it is, the
+        session asks the servo again, with residuals of named points.
+    exchanged : tuple of pairs of int
+        Pairs of the demonstrator's points that the servo takes for swapped; the session swaps them back.
+    calibration : tuple of Visit
+        Visits of an earlier calibration that the servo uses.
+    misfit : Misfit or None
+        Why the demonstrator's images fit no posture of the own body. None: no sign of that.
+    """
+
+    status: str | None = None
+    probe: bool = False
+    certificate: Certificate | None = None
+    naming: Naming | None = None
+    exchanged: Pairs = ()
+    calibration: tuple[Visit, ...] = ()
+    misfit: Misfit | None = None
+
+    @classmethod
+    def of(cls, state: Any) -> "ServoState":
+        """Read a servo's state; None: the servo was not asked yet."""
+        return cls(**{field.name: getattr(state, field.name) for field in fields(cls) if hasattr(state, field.name)})
 
     @property
-    def status(self) -> str:
-        """Why the servo rests, as a `ServoStatus` or its value: converged, settled, unobservable or no-progress.
+    def names(self) -> NDArray[np.int_] | None:
+        """(N,): the demonstrator's point of each own point, -1 of points left out; None before they are found."""
+        return self.naming.used if self.naming is not None and self.naming.accepted else None
 
-        It is moving with a motion that is not 0. A servo that rests and still reports moving has found no way to a
-        smaller E: no-progress. Without this attribute a servo that rests has settled. Converged needs `certificate`.
+    def status_or(self, usual: ServoStatus) -> ServoStatus:
+        """Return the status, or the usual one for a state without.
+
+        Raise ValueError for an unknown status, and for a claim of convergence without a certificate.
         """
-        ...
+        if self.status is None:
+            return usual
+        if self.status not in SERVO_STATUSES:
+            raise ValueError(f"a servo's status must be one of {', '.join(SERVO_STATUSES)}, got {self.status!r}")
+        found = ServoStatus(self.status)
+        if found.is_claim and self.certificate is None:
+            raise ValueError("a servo's status is 'converged', but its state has no certificate: report 'settled'")
+        return found
 
     @property
-    def probe(self) -> bool:
-        """Whether the motion is made to learn from it, and not to arrive. By default False."""
-        ...
-
-    @property
-    def certificate(self) -> Certificate | None:
-        """Evidence of convergence at the posture where E is smallest. By default None: then it cannot be claimed."""
-        ...
-
-    @property
-    def naming(self) -> Naming | None:
-        """Names of the demonstrator's points, if they came without. By default None.
-
-        Only an accepted naming is used. Once it is, the session asks the servo again, with residuals of named points.
-        """
-        ...
-
-    @property
-    def exchanged(self) -> Pairs:
-        """Pairs of the demonstrator's points that the servo takes for swapped; the session swaps them back."""
-        ...
-
-    @property
-    def calibration(self) -> tuple[Visit, ...]:
-        """Visits of an earlier calibration that the servo uses. By default ()."""
-        ...
-
-    @property
-    def misfit(self) -> Misfit | None:
-        """Why the demonstrator's images fit no posture of the own body. By default None: no sign of that."""
-        ...
+    def status_at_rest(self) -> ServoStatus:
+        """The status of a servo that asks for no motion."""
+        status = self.status_or(ServoStatus.SETTLED)
+        return ServoStatus.NO_PROGRESS if status == ServoStatus.MOVING else status
 
 
 @dataclass(frozen=True)

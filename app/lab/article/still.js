@@ -15,12 +15,8 @@ export function stillOf(frame, name) {
   return copy.outerHTML;
 }
 
-/**
- * The shading and the contours of a map: shades are a mask, so that their colour is that of the theme.
- *
- * @param {import("../view/map.js").EnergyMap} map
- * @param {string} id
- */
+/** The shading and the contours of a map: shades are a mask, so that their colour is that of the theme.
+ * @param {import("../view/map.js").EnergyMap} map @param {string} id */
 function groundOf(map, id) {
   const {rows, columns, levels} = map.drawn, {lower, upper} = map.range;
   const [left, top] = map.place([upper[0], lower[1]]), [right, bottom] = map.place([lower[0], upper[1]]);
@@ -28,8 +24,7 @@ function groundOf(map, id) {
   const area = (/** @type {number} */ x, /** @type {number} */ y) => // with the same border on each side
     `x="${px(left - x)}" y="${px(top - y)}" width="${px(right - left + 2 * x)}" height="${px(bottom - top + 2 * y)}"`;
   const d = levels.map(level => {
-    /** @type {string[]} */
-    const parts = [];
+    const parts = /** @type {string[]} */ ([]);
     const at = (/** @type {number} */ x, /** @type {number} */ y) =>
       `${px(left + x * stepX)} ${px(bottom - y * stepY)}`;
     contour(map.z, rows, columns, level, (x0, y0, x1, y1) => { parts.push(`M${at(x0, y0)}L${at(x1, y1)}`); });

@@ -3,7 +3,7 @@ import {fixed} from "../view/svg.js";
 import {residualText, stepsText} from "../view/words.js";
 import {degreesOff, jointsOff, LEVELS, robotSteps, sessionOf} from "./rules.js";
 
-/** @typedef {import("./rules.js").Challenge} Challenge @typedef {import("./rules.js").World} World */
+/** @import {World} from "../engine/world.js" @import {Challenge} from "./rules.js" */
 
 /** One square for each step: green there, yellow within 10°, orange within 30°, red beyond. @param {number[]} off degrees @param {number} withinDeg */
 export const squares = (off, withinDeg) =>

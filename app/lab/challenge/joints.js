@@ -1,18 +1,13 @@
 /** Sliders that move nothing until Go, which turns all joints at once, and the glide of what is played. */
 import {make} from "../lessons/dom.js";
-import {smoothstep} from "../view/svg.js";
+import {DEGREE, smoothstep} from "../view/svg.js";
 
-const DEGREE = Math.PI / 180, STILL = 1e-9; // rad that a joint is not moved
+const STILL = 1e-9; // rad that a joint is not moved
 const still = typeof matchMedia === "undefined" ? {matches: true} : matchMedia("(prefers-reduced-motion: reduce)");
 
-/**
- * Play something from 0 to 1, or show its end at once where nothing may move.
- *
- * @param {number} lasts ms
- * @param {(share: number) => void} frame
- * @param {() => void} over
- * @returns {() => void} goes to its end
- */
+/** Play something from 0 to 1, or show its end at once where nothing may move.
+ * @param {number} lasts ms @param {(share: number) => void} frame @param {() => void} over
+ * @returns {() => void} goes to its end */
 export function play(lasts, frame, over) {
   const start = performance.now();
   let isOver = false;
@@ -39,17 +34,12 @@ export const between = (from, to, share) => from.map((v, k) => share < 1 ? v + s
 
 /** A slider for each joint, and Go. A slider says its share of the range, and never degrees. */
 export class Joints {
-  /**
-   * @param {HTMLElement} box
-   * @param {{name: string, low: number, high: number}[]} joints rad
-   * @param {(theta: number[]) => void} go
-   * @param {...HTMLElement} beside Go
-   */
+  /** @param {HTMLElement} box @param {{name: string, low: number, high: number}[]} joints rad
+   * @param {(theta: number[]) => void} go @param {...HTMLElement} beside Go */
   constructor(box, joints, go, ...beside) {
     /** Where the sliders stand, and the arm, rad. @type {number[]} */
     this.target = [];
-    /** @type {number[]} */
-    this.stands = [];
+    this.stands = /** @type {number[]} */ ([]);
     this.isLocked = this.isMoving = false;
     this.button = make("button", {type: "button", class: "filled go", onclick: () => this.#go(go)}, "Go");
     this.rows = joints.map(({name, low, high}, k) => {
@@ -88,13 +78,9 @@ export class Joints {
     if (this.#isReady) go([...this.target]);
   }
 
-  /**
-   * The arm stands somewhere; a slider that was not set goes with it.
-   *
-   * @param {number[]} theta rad
-   * @param {boolean} isMoving whether the arm is on its way
-   * @param {boolean} [isLocked] whether nothing can be set any more
-   */
+  /** The arm stands somewhere; a slider that was not set goes with it.
+   * @param {number[]} theta rad @param {boolean} isMoving whether the arm is on its way
+   * @param {boolean} [isLocked] whether nothing can be set any more */
   show(theta, isMoving, isLocked = false) {
     this.isMoving = isMoving;
     this.target = theta.map((v, k) => this.target[k] === this.stands[k] ? v : this.target[k]);

@@ -2,7 +2,7 @@
 import {make} from "../lessons/dom.js";
 import {LEVELS} from "./rules.js";
 
-/** @typedef {import("./rules.js").Level} Level */
+/** @import {Level} from "./rules.js" */
 
 /** @param {(level: Level) => void} choose */
 export function levelButtons(choose) {

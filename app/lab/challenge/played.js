@@ -14,13 +14,9 @@ function kept() {
 export class Played {
   games = kept();
 
-  /**
-   * Count a game, if it is the first of its pose.
-   *
-   * @param {import("./rules.js").Challenge} challenge
-   * @param {number} steps 0 if the pose was not found
-   * @returns {{isPractice: boolean, best: number}} best: fewest steps on this level, 0 for none
-   */
+  /** Count a game, if it is the first of its pose.
+   * @param {import("./rules.js").Challenge} challenge @param {number} steps 0 if the pose was not found
+   * @returns {{isPractice: boolean, best: number}} best: fewest steps on this level, 0 for none */
   add(challenge, steps) {
     const {level} = challenge, game = `${level} ${wordOf(challenge)}`, isPractice = Object.hasOwn(this.games, game);
     if (!isPractice) this.games = Object.fromEntries([...Object.entries(this.games).slice(1 - MAX_GAMES), [game, steps]]);

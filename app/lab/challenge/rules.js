@@ -1,18 +1,11 @@
-/**
- * The rules of a challenge, without a document: what is offered, the robot's steps, the link.
- *
- * @typedef {import("../engine/world.js").World} World
+/** The rules of a challenge, without a document: what is offered, the robot's steps, the link.
+ * @import {World} from "../engine/world.js"
  * @typedef {"easy" | "points" | "blindfold"} Level what the player sees
- * @typedef {Object} Challenge
- * @property {number[]} demonstrator rad, whole degrees
- * @property {number[]} start rad, whole degrees
- * @property {Level} level
- * @property {string} by who made it, "" if that is not said
- * @property {string} day 2026-11-28 of a daily one, "" otherwise
- */
-import {draws, Session} from "../engine/engine.js";
+ * @typedef {{demonstrator: number[], start: number[], level: Level, by: string, day: string}} Challenge
+ * demonstrator: rad, whole degrees; start: rad, whole degrees; by: who made it, "" if that is not said; day:
+ * 2026-11-28 of a daily one, "" otherwise */
+import {DEGREE, draws, Session} from "../engine/engine.js";
 
-const DEGREE = Math.PI / 180;
 
 /** How far off the referee still says "There", and how many steps may be made. @type {Record<Level, {title: string, says: string, withinDeg: number, tries: number}>} */
 export const LEVELS = {
@@ -37,12 +30,8 @@ export const degreesOff = (theta, goal) => Math.max(...jointsOff(theta, goal));
 export const sessionOf = (world, {demonstrator, start}) =>
   new Session(world, {transfer: TRANSFER, servo: SERVO, demonstrator, start});
 
-/**
- * How many steps the robot makes until the same referee stops it, its test moves counted; null if it never arrives.
- *
- * @param {World} world
- * @param {Challenge} challenge
- */
+/** How many steps the robot makes until the same referee stops it, its test moves counted; null if it never arrives.
+ * @param {World} world @param {Challenge} challenge */
 export function robotSteps(world, challenge) {
   const session = sessionOf(world, challenge), {withinDeg} = LEVELS[challenge.level];
   for (let steps = 1; steps <= MAX_ROBOT && session.step(); steps++)
@@ -69,15 +58,9 @@ export function refusal(world, challenge) {
   return robot === null || robot > ROBOT_STEPS[1] ? "Even the robot does not find this pose soon. Try another." : "";
 }
 
-/**
- * A challenge that a seed gives; null if this robot offers none.
- *
- * @param {World} world
- * @param {number} seed
- * @param {Level} level
- * @param {number[] | null} [pose] rad, of the demonstrator: its start alone is drawn
- * @returns {Challenge | null}
- */
+/** A challenge that a seed gives; null if this robot offers none.
+ * @param {World} world @param {number} seed @param {Level} level
+ * @param {number[] | null} [pose] rad, of the demonstrator: its start alone is drawn @returns {Challenge | null} */
 export function drawChallenge(world, seed, level, pose = null) {
   const draw = draws(seed), ends = limits(world);
   const any = () => ends.map(([low, high]) => Math.round(low + draw() * (high - low)) * DEGREE);
@@ -94,13 +77,9 @@ export function daily(world, day, level) {
   return challenge && {...challenge, day};
 }
 
-/**
- * A challenge of a pose that somebody has made: from the start on show, or else from one that makes it a good one.
- *
- * @param {World} world
- * @param {Pick<Challenge, "demonstrator" | "start" | "level" | "by">} made
- * @returns {Challenge | string} why it is none
- */
+/** A challenge of a pose that somebody has made: from the start on show, or else from one that makes it a good one.
+ * @param {World} world @param {Pick<Challenge, "demonstrator" | "start" | "level" | "by">} made
+ * @returns {Challenge | string} why it is none */
 export function fromPose(world, {demonstrator, start, level, by}) {
   const whole = (/** @type {number[]} */ theta) => theta.map(v => Math.round(v / DEGREE) * DEGREE);
   const challenge = {demonstrator: whole(demonstrator), start: whole(start), level, by: shortName(by), day: ""};

@@ -1,12 +1,11 @@
-/**
- * Affine epipolar geometry of the four views: Eqs. (1) to (3) of "View-Based Imitation Learning by Conflict Resolution
+/** Affine epipolar geometry of the four views: Eqs. (1) to (3) of "View-Based Imitation Learning by Conflict Resolution
  * with Epipolar Geometry" (IROS 2001), here and in the other modules "the paper".
  *
  * A match of the images [p] and [q] obeys f13 x_p + f23 y_p + f31 x_q + f32 y_q + f33 = 0. f = (f13, f23, f31, f32) has
  * length 1. Points about their centroid make f33 vanish.
  *
- * Images are flat (4 N) px: the demonstrator's are x_l, y_l, x_r, y_r of each point, the learner's own x_L, y_L, x_R, y_R.
- */
+ * Images are flat (4 N) px: the demonstrator's are x_l, y_l, x_r, y_r of each point, the learner's own x_L, y_L, x_R,
+ * y_R. */
 import {symmetricEigen} from "./algebra.js";
 
 /** The views l, r, L, R as 0, 1, 2, 3: all pairs [p], [q], in the order of Eq. (4), then [l, r]. */
@@ -22,14 +21,9 @@ export function centroid(images) {
 /** Images about their centroid. @param {Float64Array} images @param {Float64Array} [mean] */
 export const centred = (images, mean = centroid(images)) => images.map((v, i) => v - mean[i & 3]);
 
-/**
- * Σ aᵢ bᵢᵀ over the points.
- *
- * @param {Float64Array} a (4 N)
- * @param {Float64Array} b (4 N), from index `from` on
- * @param {Float64Array} [sum] 4 x 4, where the result is written
- * @param {number} [from]
- */
+/** Σ aᵢ bᵢᵀ over the points.
+ * @param {Float64Array} a (4 N) @param {Float64Array} b (4 N), from index `from` on
+ * @param {Float64Array} [sum] 4 x 4, where the result is written @param {number} [from] */
 export function scatter(a, b, sum = new Float64Array(16), from = 0) {
   sum.fill(0);
   for (let i = 0; i < a.length; i += 4) for (let p = 0; p < 4; p++) {
@@ -39,24 +33,14 @@ export function scatter(a, b, sum = new Float64Array(16), from = 0) {
   return sum;
 }
 
-/**
- * The scatter matrices of four views, about the centroids: demonstrator with itself, learner with itself, and both.
- *
+/** The scatter matrices of four views, about the centroids: demonstrator with itself, learner with itself, and both.
  * @typedef {{dd: Float64Array, oo: Float64Array, do: Float64Array}} Scatters
- * @param {Float64Array} demo (4 N), centred
- * @param {Float64Array} own (4 N), centred
- * @returns {Scatters}
- */
+ * @param {Float64Array} demo (4 N), centred @param {Float64Array} own (4 N), centred @returns {Scatters} */
 export const scatters = (demo, own) => ({dd: scatter(demo, demo), oo: scatter(own, own), do: scatter(demo, own)});
 
 const W = new Float64Array(16);
 
-/**
- * W of Eq. (2) for one of PAIRS. The paper prints 1/n for 1/N there.
- *
- * @param {Scatters} of
- * @param {number} pair
- */
+/** W of Eq. (2) for one of PAIRS. The paper prints 1/n for 1/N there. @param {Scatters} of @param {number} pair */
 function scatterOf({dd, oo, do: between}, pair) {
   const [p, q] = PAIRS[pair], x = 2 * (p & 1), y = 2 * (q & 1);
   const P = p < 2 ? dd : oo, Q = q < 2 ? dd : oo, M = p < 2 && q >= 2 ? between : P;
@@ -68,24 +52,16 @@ function scatterOf({dd, oo, do: between}, pair) {
   return W;
 }
 
-/**
- * f of the first pairs of PAIRS: the eigenvector of the smallest eigenvalue of W, Eq. (2). Its sign is arbitrary.
- *
- * @param {Scatters} of
- * @param {number} [count] 5 pairs make Eq. (4)
- * @param {Float64Array} [f] (4 count), where the result is written
- */
+/** f of the first pairs of PAIRS: the eigenvector of the smallest eigenvalue of W, Eq. (2). Its sign is arbitrary.
+ * @param {Scatters} of @param {number} [count] 5 pairs make Eq. (4)
+ * @param {Float64Array} [f] (4 count), where the result is written */
 export function fundamentals(of, count = 5, f = new Float64Array(4 * count)) {
   for (let pair = 0; pair < count; pair++) f.set(symmetricEigen(scatterOf(of, pair), 4).vectors[0], 4 * pair);
   return f;
 }
 
-/**
- * The same for thousands of postures: `smallestEigenvector` first, Jacobi's rotations where that cannot decide.
- *
- * @param {Scatters} of
- * @param {Float64Array} f (20), where the result is written
- */
+/** The same for thousands of postures: `smallestEigenvector` first, Jacobi's rotations where that cannot decide.
+ * @param {Scatters} of @param {Float64Array} f (20), where the result is written */
 export function quickFundamentals(of, f) {
   const {dd, oo, do: m} = of;
   for (let pair = 0; pair < 4; pair++) {
@@ -98,26 +74,14 @@ export function quickFundamentals(of, f) {
   if (!found) f.set(symmetricEigen(scatterOf(of, 4), 4).vectors[0], 16);
 }
 
-/**
- * Unit eigenvector of the smallest eigenvalue λ of W = [[P, M], [Mᵀ, Q]], positive semi-definite, without a loop over
+/** Unit eigenvector of the smallest eigenvalue λ of W = [[P, M], [Mᵀ, Q]], positive semi-definite, without a loop over
  * matrices: λ is the smallest root of the characteristic polynomial, by Laguerre's iteration from 0, which is monotone.
- * With f = [x; y], (W - λ) f = 0 gives y = -(Q - λ)⁻¹ Mᵀ x, and x spans the kernel of the Schur complement
- * S = P - λ - M (Q - λ)⁻¹ Mᵀ.
- *
- * @param {number} p00 P, as p00, p01, p11
- * @param {number} p01
- * @param {number} p11
- * @param {number} q00 Q, likewise
- * @param {number} q01
- * @param {number} q11
- * @param {number} m00 M, row by row
- * @param {number} m01
- * @param {number} m10
- * @param {number} m11
- * @param {Float64Array} f where the result is written
- * @param {number} at from this index on
- * @returns {boolean} false where the two smallest eigenvalues nearly coincide: nothing is written then
- */
+ * With f = [x; y], (W - λ) f = 0 gives y = -(Q - λ)⁻¹ Mᵀ x, and x spans the kernel of the Schur complement S = P - λ -
+ * M (Q - λ)⁻¹ Mᵀ.
+ * @param {number} p00 P, as p00, p01, p11 @param {number} p01 @param {number} p11 @param {number} q00 Q, likewise
+ * @param {number} q01 @param {number} q11 @param {number} m00 M, row by row @param {number} m01 @param {number} m10
+ * @param {number} m11 @param {Float64Array} f where the result is written @param {number} at from this index on
+ * @returns {boolean} false where the two smallest eigenvalues nearly coincide: nothing is written then */
 export function smallestEigenvector(p00, p01, p11, q00, q01, q11, m00, m01, m10, m11, f, at) {
   // det(W - λ) = λ⁴ - s3 λ³ + s2 λ² - s1 λ + s0, from M adj(Q) and adj(P) M
   const a00 = m00 * q11 - m01 * q01, a01 = m01 * q00 - m00 * q01, a10 = m10 * q11 - m11 * q01, a11 = m11 * q00 - m10 * q01;
@@ -160,18 +124,12 @@ export function smallestEigenvector(p00, p01, p11, q00, q01, q11, m00, m01, m10,
   return true;
 }
 
-/**
- * Epipolar lines: a x + b y + c = 0 px in the view `into`, of a point seen in the view `from`. (a, b) has length 1.
- *
- * @typedef {{into: number, from: number, a: number, b: number, c: number}} Line
- */
+/** Epipolar lines: a x + b y + c = 0 px in the view `into`, of a point seen in the view `from`. (a, b) has length 1.
+ * @typedef {{into: number, from: number, a: number, b: number, c: number}} Line */
 export class EpipolarGeometry {
-  /**
-   * Of all six pairs of views. f33 is Eq. (3), whose u_0 is the centroid.
-   *
+  /** Of all six pairs of views. f33 is Eq. (3), whose u_0 is the centroid.
    * @param {Float64Array} demo (4 N) px of at least 5 points that all four views show
-   * @param {Float64Array} own (4 N) px
-   */
+   * @param {Float64Array} own (4 N) px */
   constructor(demo, own) {
     const mean = [centroid(demo), centroid(own)];
     this.f = fundamentals(scatters(centred(demo, mean[0]), centred(own, mean[1])), 6);
@@ -182,13 +140,9 @@ export class EpipolarGeometry {
     });
   }
 
-  /**
-   * The twelve lines of one point, three in each view.
-   *
+  /** The twelve lines of one point, three in each view.
    * @param {ArrayLike<number>} demo its x_l, y_l, x_r, y_r px
-   * @param {ArrayLike<number>} own its x_L, y_L, x_R, y_R px
-   * @returns {Line[]}
-   */
+   * @param {ArrayLike<number>} own its x_L, y_L, x_R, y_R px @returns {Line[]} */
   lines(demo, own) {
     return PAIRS.flatMap(([p, q], pair) => {
       const at = (/** @type {number} */ view, /** @type {number} */ k) => (view < 2 ? demo : own)[2 * (view & 1) + k];

@@ -1,18 +1,10 @@
-/**
- * Small dense matrices, row by row in flat arrays: eigenvectors, singular values, least squares.
- *
- * @typedef {Float64Array} Matrix
- */
+/** Small dense matrices, row by row in flat arrays: eigenvectors, singular values, least squares.
+ * @typedef {Float64Array} Matrix */
 
 const SWEEPS = 30; // a bound: Jacobi's rotations converge quadratically, after 6 to 8 sweeps
 
-/**
- * Eigenvalues, ascending, and unit eigenvectors of a symmetric matrix, by Jacobi's rotations.
- *
- * @param {Matrix} A n x n
- * @param {number} n
- * @returns {{values: number[], vectors: Float64Array[]}}
- */
+/** Eigenvalues, ascending, and unit eigenvectors of a symmetric matrix, by Jacobi's rotations.
+ * @param {Matrix} A n x n @param {number} n @returns {{values: number[], vectors: Float64Array[]}} */
 export function symmetricEigen(A, n) {
   const a = Float64Array.from(A), v = identity(n);
   let trace = 0;
@@ -37,14 +29,10 @@ export function symmetricEigen(A, n) {
   };
 }
 
-/**
- * X = U diag(sigma) Vᵀ with sigma descending, by one-sided Jacobi rotations (Hestenes 1958).
- *
- * @param {Matrix} X rows x columns, with at least as many rows as columns
- * @param {number} rows
+/** X = U diag(sigma) Vᵀ with sigma descending, by one-sided Jacobi rotations (Hestenes 1958).
+ * @param {Matrix} X rows x columns, with at least as many rows as columns @param {number} rows
  * @param {number} columns
- * @returns {{U: Matrix, sigma: number[], V: Matrix}} U: rows x columns, zero where sigma is; V: columns x columns
- */
+ * @returns {{U: Matrix, sigma: number[], V: Matrix}} U: rows x columns, zero where sigma is; V: columns x columns */
 export function svd(X, rows, columns) {
   const x = Float64Array.from(X), v = identity(columns);
   for (let sweep = 0, turned = true; turned && sweep < SWEEPS; sweep++) {
@@ -75,15 +63,9 @@ export function svd(X, rows, columns) {
   return {U, sigma: order.map(k => length[k]), V};
 }
 
-/**
- * The X for which |A X - B| is least, by Householder's reflections.
- *
- * @param {Matrix} A rows x n, of rank n
- * @param {Matrix} B rows x k
- * @param {number} n
- * @param {number} k
- * @returns {Matrix} n x k
- */
+/** The X for which |A X - B| is least, by Householder's reflections.
+ * @param {Matrix} A rows x n, of rank n @param {Matrix} B rows x k @param {number} n @param {number} k
+ * @returns {Matrix} n x k */
 export function leastSquares(A, B, n, k) {
   const rows = A.length / n, wide = n + k, R = new Float64Array(rows * wide), reflector = new Float64Array(rows);
   for (let i = 0; i < rows; i++) {
@@ -114,13 +96,8 @@ export function leastSquares(A, B, n, k) {
   return X;
 }
 
-/**
- * Solve A x = b for a small square A, by elimination with partial pivoting.
- *
- * @param {number[][]} A
- * @param {number[]} b
- * @returns {number[]}
- */
+/** Solve A x = b for a small square A, by elimination with partial pivoting.
+ * @param {number[][]} A @param {number[]} b @returns {number[]} */
 export function solve(A, b) {
   const n = b.length, rows = A.map((row, i) => [...row, b[i]]);
   for (let c = 0; c < n; c++) {
@@ -141,10 +118,18 @@ export function solve(A, b) {
   return x;
 }
 
-/**
- * @param {ArrayLike<number>} a
- * @param {ArrayLike<number>} b
- */
+export const DEGREE = Math.PI / 180;
+
+/** Degrees, of the joint that is farthest. @param {ArrayLike<number>} a @param {ArrayLike<number>} b rad */
+export const farthest = (a, b) => Math.max(...Array.from(a, (v, k) => Math.abs(v - b[k]))) / DEGREE;
+
+/** @typedef {[number, number, number]} Vector @param {ArrayLike<number>} a @param {ArrayLike<number>} b @returns {Vector} */
+export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+
+/** Of length 1. @param {number[]} v */
+export const unit = v => v.map(x => x / Math.hypot(...v));
+
+/** @param {ArrayLike<number>} a @param {ArrayLike<number>} b */
 export function dot(a, b) {
   let sum = 0;
   for (let i = 0; i < a.length; i++) sum += a[i] * b[i];
@@ -154,11 +139,7 @@ export function dot(a, b) {
 /** @param {number[]} values */
 export const largest = values => Math.max(...values.map(Math.abs));
 
-/**
- * @param {number} value
- * @param {number} low
- * @param {number} high
- */
+/** @param {number} value @param {number} low @param {number} high */
 export const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
 
 /** Cosine and sine of the rotation that makes [[a, b], [b, d]] diagonal. @param {number} a @param {number} b @param {number} d */

@@ -1,26 +1,21 @@
-/**
- * A servo that learns the images, not E: ŷ(θ) = y_c + J (θ - c), with J by Broyden's updates (1965).
+/** A servo that learns the images, not E: ŷ(θ) = y_c + J (θ - c), with J by Broyden's updates (1965).
  *
  * One probe of each joint makes a first J. Then the posture with the smallest predicted E inside a trust region is
  * visited. The E measured there sizes the region, and the motion itself improves J. The best posture visited is the
- * centre c.
- */
-import {dot, largest} from "./algebra.js";
+ * centre c. */
+import {DEGREE, dot, largest} from "./algebra.js";
 import {minimise} from "./minimise.js";
 import {conflict as energyOf} from "./transfers.js";
 
 /** @import {Conflict, Observation, Servo, ServoState} from "./servo.js" */
-/**
- * @typedef {{displacement: number[], own: Float64Array, seen: Uint8Array}} Visit a posture that was visited, and the
- *   images there; points not seen there are as predicted, NaN until they have been seen once
- * @typedef {{J: Float64Array[], last: Visit, taught: number[]}} ImageModel J: of each joint, (4 N) px/rad; taught: how many
- *   motions showed a point at both ends
+/** @typedef {{displacement: number[], own: Float64Array, seen: Uint8Array}} Visit a posture that was visited, and the
+ * images there; points not seen there are as predicted, NaN until they have been seen once
+ * @typedef {{J: Float64Array[], last: Visit, taught: number[]}} ImageModel J: of each joint, (4 N) px/rad; taught:
+ * how many motions showed a point at both ends
  * @typedef {ServoState & {model: ImageModel, best: Visit, bestE: number | null, radius: number, probes: number[],
- *   predicted: number | null}} BroydenState bestE: null where it must be asked for; probes: joints still to probe;
- *   predicted: decrease of E of the motion just made, null after a probe
- */
+ * predicted: number | null}} BroydenState bestE: null where it must be asked for; probes: joints still to probe;
+ * predicted: decrease of E of the motion just made, null after a probe */
 
-const DEGREE = Math.PI / 180;
 const PROBE_RAD = 15 * DEGREE;
 const FIRST_RADIUS_RAD = 25 * DEGREE, MAX_RADIUS_RAD = 45 * DEGREE, MIN_RADIUS_RAD = 0.02 * DEGREE;
 const MIN_STEP_RAD = 0.1 * DEGREE; // a shorter motion is not worth making
@@ -75,26 +70,16 @@ function probeOf(joint, {displacement, lower, upper}) {
   return displacement.map((_, k) => k === joint ? step : 0);
 }
 
-/**
- * Images after a displacement, by the model: own + J · by.
- *
- * @param {Float64Array} own
- * @param {Float64Array[]} J
- * @param {number[]} by
- */
+/** Images after a displacement, by the model: own + J · by.
+ * @param {Float64Array} own @param {Float64Array[]} J @param {number[]} by */
 const moved = (own, J, by) => own.map((v, i) => {
   let sum = 0;
   for (let k = 0; k < by.length; k++) sum += J[k][i] * by[k];
   return v + sum;
 });
 
-/**
- * Broyden's update of J from the last motion.
- *
- * @param {BroydenState} state
- * @param {Observation} seen
- * @returns {BroydenState}
- */
+/** Broyden's update of J from the last motion.
+ * @param {BroydenState} state @param {Observation} seen @returns {BroydenState} */
 function learned(state, seen) {
   const {J, last, taught} = state.model, by = seen.displacement.map((v, k) => v - last.displacement[k]), length = dot(by, by);
   const expected = moved(last.own, J, by), soft = state.probe ? 0 : SOFT_RAD;
@@ -113,14 +98,8 @@ function learned(state, seen) {
   return {...state, model, best: {...state.best, own}};
 }
 
-/**
- * The better of the best and the last visit, and a radius by how true the prediction was.
- *
- * @param {BroydenState} state
- * @param {number} E
- * @param {Conflict} conflict
- * @returns {BroydenState}
- */
+/** The better of the best and the last visit, and a radius by how true the prediction was.
+ * @param {BroydenState} state @param {number} E @param {Conflict} conflict @returns {BroydenState} */
 function sized(state, E, conflict) {
   const here = state.model.last, every = (/** @type {Visit} */ visit) => visit.seen.every(Boolean);
   let {best, bestE, radius} = state;
@@ -138,12 +117,8 @@ function sized(state, E, conflict) {
   return {...state, best, bestE, radius};
 }
 
-/**
- * Images with NaN for points that fewer motions taught than there are joints, if others were taught by that many.
- *
- * @param {ImageModel} model
- * @param {Float64Array} own
- */
+/** Images with NaN for points that fewer motions taught than there are joints, if others were taught by that many.
+ * @param {ImageModel} model @param {Float64Array} own */
 function onlyTaught({taught, J}, own) {
   const often = [...taught].sort((a, b) => b - a)[Math.min(MANY_POINTS, taught.length) - 1], needed = Math.min(J.length, often);
   return own.map((v, i) => taught[i >> 2] < needed ? NaN : v);

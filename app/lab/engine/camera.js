@@ -1,25 +1,19 @@
-/**
- * Pinhole cameras. OpenCV's axes: z ahead, x to the right, y down. Images are flat arrays (4 N) px: x, y of each point
+/** Pinhole cameras. OpenCV's axes: z ahead, x to the right, y down. Images are flat arrays (4 N) px: x, y of each point
  * in the left image of a pair, then x, y in the right one.
- *
- * @typedef {{k1: number, k2: number, maxRadius: number}} Radial 1 + k1 r² + k2 r⁴ is the factor of the distance r from the
- *   optical axis, in focal lengths; beyond maxRadius it is constant
- * @typedef {{rotation: number[], centre: number[], focal: number[], principal: number[], width: number, height: number,
- *   distortion?: [Radial, Radial]}} Camera rotation: R_world_camera, 9 numbers row by row; centre: of projection, m; focal,
- *   principal: (x, y) px; distortion: of the lens, and the part of it that was removed from the images. Only replays have it
- * @typedef {[Camera, Camera]} Pair left and right camera
- */
+ * @typedef {{k1: number, k2: number, maxRadius: number}} Radial 1 + k1 r² + k2 r⁴ is the factor of the distance r
+ * from the optical axis, in focal lengths; beyond maxRadius it is constant
+ * @typedef {{rotation: number[], centre: number[], focal: number[], principal: number[], width: number, height:
+ * number, distortion?: [Radial, Radial]}} Camera rotation: R_world_camera, 9 numbers row by row; centre: of
+ * projection, m; focal, principal: (x, y) px; distortion: of the lens, and the part of it that was removed from the
+ * images. Only replays have it @typedef {[Camera, Camera]} Pair left and right camera */
+import {dot} from "./algebra.js";
 
 const MAX_STRETCH = 1024, HALVINGS = 50; // of the search for an undistorted radius
 
-/**
- * Project points of the world into both images of a pair.
- *
- * @param {Pair} pair
- * @param {Float64Array} points (3 N) m
- * @returns {{images: Float64Array, seen: Uint8Array}} images: (4 N) px; seen: (2 N), 1 for a point that is in front of
- *   the left and the right camera and inside its image
- */
+/** Project points of the world into both images of a pair.
+ * @param {Pair} pair @param {Float64Array} points (3 N) m
+ * @returns {{images: Float64Array, seen: Uint8Array}} images: (4 N) px; seen: (2 N), 1 for a point that is in front
+ * of the left and the right camera and inside its image */
 export function project(pair, points) {
   const count = points.length / 3, images = new Float64Array(4 * count), seen = new Uint8Array(2 * count);
   pair.forEach((camera, side) => {
@@ -33,12 +27,9 @@ export function project(pair, points) {
   return {images, seen};
 }
 
-/**
- * @param {Camera} camera
- * @param {ArrayLike<number>} point m in the world
+/** @param {Camera} camera @param {ArrayLike<number>} point m in the world
  * @param {number} [nearest] depth to which nearer points are moved back, so that they can be drawn somewhere
- * @returns {[number, number, number]} x, y px and depth m
- */
+ * @returns {[number, number, number]} x, y px and depth m */
 export function projectPoint({rotation: R, centre, focal, principal, distortion}, point, nearest = -Infinity) {
   const x = point[0] - centre[0], y = point[1] - centre[1], z = point[2] - centre[2];
   const depth = Math.max(R[2] * x + R[5] * y + R[8] * z, nearest);
@@ -72,28 +63,17 @@ function inverseFactor(by, square) {
   return high;
 }
 
-/**
- * The point at a depth on the ray of an image point.
- *
- * @param {Camera} camera
- * @param {number} x px
- * @param {number} y px
- * @param {number} depth m
- */
+/** The point at a depth on the ray of an image point.
+ * @param {Camera} camera @param {number} x px @param {number} y px @param {number} depth m */
 export const backProject = (camera, x, y, depth) => ray(camera, x, y).map((v, i) => camera.centre[i] + depth * v);
 
-/**
- * Where the two rays of a point pass nearest to each other: the midpoint. It is drawn in the scene, and the learner has
- * no use of it.
- *
- * @param {Pair} pair
- * @param {ArrayLike<number>} image x, y in the left image, x, y in the right one, px
- * @returns {number[]} m
- */
+/** Where the two rays of a point pass nearest to each other: the midpoint. It is drawn in the scene, and the learner
+ * has no use of it.
+ * @param {Pair} pair @param {ArrayLike<number>} image x, y in the left image, x, y in the right one, px
+ * @returns {number[]} m */
 export function triangulate([left, right], image) {
   const a = ray(left, image[0], image[1]), b = ray(right, image[2], image[3]), base = right.centre.map((c, i) => c - left.centre[i]);
-  const product = (/** @type {number[]} */ p, /** @type {number[]} */ q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-  const aa = product(a, a), ab = product(a, b), bb = product(b, b), pa = product(a, base), pb = product(b, base);
+  const aa = dot(a, a), ab = dot(a, b), bb = dot(b, b), pa = dot(a, base), pb = dot(b, base);
   const half = 0.5 / (aa * bb - ab * ab), s = half * (bb * pa - ab * pb), t = half * (ab * pa - aa * pb);
   return a.map((_, i) => s * a[i] + t * b[i] + 0.5 * (left.centre[i] + right.centre[i]));
 }

@@ -22,10 +22,10 @@
  * two other transfers.
  */
 export {EpipolarGeometry, PAIRS} from "./affine.js";
-export {clamp} from "./algebra.js";
+export {clamp, cross, DEGREE, dot, farthest, unit} from "./algebra.js";
 export {backProject, projectPoint, triangulate} from "./camera.js";
 export {reachFor, transform} from "./kinematics.js";
-export {Landscape} from "./landscape.js";
+export {energyAt, Landscape, lowest, matched} from "./landscape.js";
 export {draws, Generator} from "./random.js";
 export {SERVOS} from "./servo.js";
 export {geometry, MIN_POINTS, recovered, Session} from "./session.js";

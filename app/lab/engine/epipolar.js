@@ -1,11 +1,9 @@
-/**
- * The paper's transfer, Section 2.3: a point of the demonstrator is transferred to where its epipolar lines cross in the
- * learner's own views.
+/** The paper's transfer, Section 2.3: a point of the demonstrator is transferred to where its epipolar lines cross in
+ * the learner's own views.
  *
  * Five constraints, of the pairs (l, L), (r, L), (l, R), (r, R) and (L, R), make A u = -B c, Eq. (4), solved by least
- * squares. Two misprints: Eq. (5) lacks that minus, and in the last row of A the coefficients of L are f13, f23 and those
- * of R are f31, f32, printed the other way round. Points about their centroids empty all f33.
- */
+ * squares. Two misprints: Eq. (5) lacks that minus, and in the last row of A the coefficients of L are f13, f23 and
+ * those of R are f31, f32, printed the other way round. Points about their centroids empty all f33. */
 import {leastSquares, svd} from "./algebra.js";
 import {centred, centroid, fundamentals, quickFundamentals, scatter, scatters} from "./affine.js";
 
@@ -38,11 +36,7 @@ export class EpipolarTransfer {
   }
 }
 
-/**
- * A and B of Eq. (4), 5 x 4 each.
- *
- * @param {Float64Array} f (20)
- */
+/** A and B of Eq. (4), 5 x 4 each. @param {Float64Array} f (20) */
 export function linearSystem(f) {
   const A = new Float64Array(20), B = new Float64Array(20);
   for (let row = 0; row < 4; row++) {
@@ -56,14 +50,9 @@ export function linearSystem(f) {
   return {A, B};
 }
 
-/**
- * ownMean + map (image - demoMean), of each point.
- *
- * @param {Float64Array} map 4 x 4
- * @param {Float64Array} images (4 M) px
- * @param {Float64Array} demoMean
- * @param {Float64Array} ownMean
- */
+/** ownMean + map (image - demoMean), of each point.
+ * @param {Float64Array} map 4 x 4 @param {Float64Array} images (4 M) px @param {Float64Array} demoMean
+ * @param {Float64Array} ownMean */
 export function mapped(map, images, demoMean, ownMean) {
   return images.map((_, i) => {
     const row = 4 * (i & 3), point = i - (i & 3);
@@ -73,13 +62,9 @@ export function mapped(map, images, demoMean, ownMean) {
   });
 }
 
-/**
- * E of thousands of postures against one demonstrator. The first four constraints are two 2 x 2 systems, solved exactly;
- * the fifth is a rank-one correction of least squares.
- *
- * @param {Float64Array} demo (4 N) px
- * @returns {(grid: Grid, posture: number) => number} E, px²
- */
+/** E of thousands of postures against one demonstrator. The first four constraints are two 2 x 2 systems, solved
+ * exactly; the fifth is a rank-one correction of least squares.
+ * @param {Float64Array} demo (4 N) px @returns {(grid: Grid, posture: number) => number} E, px² */
 function energies(demo) {
   const D = centred(demo), of = {dd: scatter(D, D), oo: new Float64Array(16), do: new Float64Array(16)};
   const f = new Float64Array(20), map = new Float64Array(16);
@@ -96,14 +81,10 @@ function energies(demo) {
   };
 }
 
-/**
- * E of Eq. (6) where points are transferred by a map of centred points.
- *
+/** E of Eq. (6) where points are transferred by a map of centred points.
  * @param {Float64Array} D centred demonstrator's images
- * @param {Float64Array} own centred own images, from index `from` on
- * @param {number} from
- * @param {Float64Array} map 4 x 4
- */
+ * @param {Float64Array} own centred own images, from index `from` on @param {number} from
+ * @param {Float64Array} map 4 x 4 */
 export function meanSquare(D, own, from, map) {
   let sum = 0;
   for (let i = 0; i < D.length; i += 4) {

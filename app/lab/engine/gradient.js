@@ -1,24 +1,19 @@
-/**
- * The paper's servo law, Section 4: E descends along a gradient that is learned from the learner's own motions.
+/** The paper's servo law, Section 4: E descends along a gradient that is learned from the learner's own motions.
  *
- * ΔE = Ĵu is fitted by recursive least squares with forgetting, and u = -K Ĵᵀ E is Eq. (13), with the transpose that its
- * print lacks. The constants of Section 5.3 are read in degrees and px². The paper gives no first covariance, no bound of
- * the step and no excitation. Without excitation the covariance grows along the directions in which the arm does not move
- * (windup), and amplifies rounding errors: after some 130 motions no two programs agree any more.
- */
-import {clamp, dot} from "./algebra.js";
+ * ΔE = Ĵu is fitted by recursive least squares with forgetting, and u = -K Ĵᵀ E is Eq. (13), with the transpose that
+ * its print lacks. The constants of Section 5.3 are read in degrees and px². The paper gives no first covariance, no
+ * bound of the step and no excitation. Without excitation the covariance grows along the directions in which the arm
+ * does not move (windup), and amplifies rounding errors: after some 130 motions no two programs agree any more. */
+import {clamp, DEGREE, dot} from "./algebra.js";
 import {Generator} from "./random.js";
 
 /** @import {Servo, ServoState, ServoStatus} from "./servo.js" */
-/**
- * @typedef {{gain: number, forgetting: number, jacobian: number[], covariance: number, maxStepDeg: number,
- *   ditherDeg: number, seed: number}} Constants gain: K = gain I, degrees/px² per px²/degree; forgetting: ρ; jacobian:
- *   Ĵ_0, px²/degree, repeated for more joints; covariance: P_0 = covariance I; ditherDeg: excitation of each step
- * @typedef {ServoState & {jacobian: number[], covariance: number[][], displacement: number[], E: number, bestE: number,
- *   sinceBest: number}} GradientState
- */
+/** @typedef {{gain: number, forgetting: number, jacobian: number[], covariance: number, maxStepDeg: number,
+ * ditherDeg: number, seed: number}} Constants gain: K = gain I, degrees/px² per px²/degree; forgetting: ρ; jacobian:
+ * Ĵ_0, px²/degree, repeated for more joints; covariance: P_0 = covariance I; ditherDeg: excitation of each step
+ * @typedef {ServoState & {jacobian: number[], covariance: number[][], displacement: number[], E: number, bestE:
+ * number, sinceBest: number}} GradientState */
 
-const DEGREE = Math.PI / 180;
 const MAX_MOTIONS_WITHOUT_PROGRESS = 30, PROGRESS = 0.99; // E must fall to this share of its least
 
 /** Sec. 5.3 and Eq. (14). P_0 is not given there. @type {Constants} */

@@ -1,11 +1,10 @@
-/**
- * One stereo head cannot see a body as its own mirror image, but a transfer can: a body whose points are nearly symmetric
- * fits its mirrored posture. Where only a mirror image of the demonstrator fits, residuals get three more columns.
+/** One stereo head cannot see a body as its own mirror image, but a transfer can: a body whose points are nearly
+ * symmetric fits its mirrored posture. Where only a mirror image of the demonstrator fits, residuals get three more
+ * columns.
  *
  * With orthonormal coordinates U of one body and images Y of the other, M = YᵀU is the best linear map. If it reflects,
  * the nearest map that does not is M without its smallest singular value s₃, which leaves s₃² px² more (Eckart & Young
- * 1936).
- */
+ * 1936). */
 import {svd, symmetricEigen} from "./algebra.js";
 import {centred, centroid} from "./affine.js";
 
@@ -23,15 +22,12 @@ function along(images, V) {
 /** @param {ArrayLike<number>} m 3 x 3 */
 const determinant = m => m[0] * (m[4] * m[8] - m[5] * m[7]) + m[1] * (m[5] * m[6] - m[3] * m[8]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
 
-/**
- * What finds mirror images of a body.
- *
+/** What finds mirror images of a body.
  * @param {Float64Array} demo (4 N) px of the body
  * @param {Float64Array} matches (4 M) px of all bodies in sight: they tell in which directions images differ
  * @param {number} noisePx standard deviation of a coordinate
  * @returns {null | ((own: Float64Array) => Float64Array | null)} null for a body too flat to tell; else own images
- *   (4 N) px → residuals (3 N) px, null where the map does not reflect
- */
+ * (4 N) px → residuals (3 N) px, null where the map does not reflect */
 export function mirrorFinder(demo, matches, noisePx) {
   const N = demo.length / 4, {V: axes} = svd(centred(matches), matches.length / 4, 4);
   const shape = along(centred(demo), axes), {U, sigma, V} = svd(shape, N, 3);

@@ -1,22 +1,16 @@
-/**
- * An arm with revolute joints: where its links, its body points and its hand are, and which posture brings one somewhere.
+/** An arm with revolute joints: where its links, its body points and its hand are, and which posture brings one
+ * somewhere.
  *
  * A rigid transform is 3 x 4, row by row: `T_a_b` takes points of frame b to frame a. Postures are in radians, lengths
  * in metres. The learner itself knows nothing of this file: it sees image points only.
- *
  * @typedef {{T: number[], axis: number[], joint: number, multiplier: number, offset: number}} Joint one joint of the
- *   chain: `T` is T_parent_joint at angle 0, `axis` a unit vector. Its angle is `multiplier` times that of the moving
- *   joint number `joint`, plus `offset`: a joint that mimics another follows it
- * @typedef {{on: number, T: number[]}} Link a link, fixed to frame `on` of the chain: 0 is the base, k follows joint k
- * @typedef {{on: number, at: number[]}} BodyPoint a point, in m, fixed to frame `on` of the chain
- */
+ * chain: `T` is T_parent_joint at angle 0, `axis` a unit vector. Its angle is `multiplier` times that of the moving
+ * joint number `joint`, plus `offset`: a joint that mimics another follows it
+ * @typedef {{on: number, T: number[]}} Link a link, fixed to frame `on` of the chain: 0 is the base, k follows joint
+ * k @typedef {{on: number, at: number[]}} BodyPoint a point, in m, fixed to frame `on` of the chain */
 import {clamp, dot, solve} from "./algebra.js";
 
-/**
- * @param {ArrayLike<number>} A
- * @param {ArrayLike<number>} B
- * @returns {Float64Array} the transform A B
- */
+/** @param {ArrayLike<number>} A @param {ArrayLike<number>} B @returns {Float64Array} the transform A B */
 export function compose(A, B) {
   const C = new Float64Array(12);
   for (let i = 0; i < 12; i += 4) for (let j = 0; j < 4; j++)
@@ -24,11 +18,7 @@ export function compose(A, B) {
   return C;
 }
 
-/**
- * @param {ArrayLike<number>} T
- * @param {ArrayLike<number>} p
- * @returns {[number, number, number]} the point T p
- */
+/** @param {ArrayLike<number>} T @param {ArrayLike<number>} p @returns {[number, number, number]} the point T p */
 export function transform(T, p) {
   return [
     T[0] * p[0] + T[1] * p[1] + T[2] * p[2] + T[3],
@@ -37,12 +27,7 @@ export function transform(T, p) {
   ];
 }
 
-/**
- * Rodrigues' formula.
- *
- * @param {number[]} axis unit vector
- * @param {number} angle rad
- */
+/** Rodrigues' formula. @param {number[]} axis unit vector @param {number} angle rad */
 export function rotationAbout([x, y, z], angle) {
   const c = Math.cos(angle), s = Math.sin(angle), t = 1 - c;
   return Float64Array.of(
@@ -53,22 +38,14 @@ export function rotationAbout([x, y, z], angle) {
 }
 
 export class Arm {
-  /**
-   * @param {Joint[]} joints
-   * @param {Link[]} links
-   * @param {number[]} T_world_base
-   */
+  /** @param {Joint[]} joints @param {Link[]} links @param {number[]} T_world_base */
   constructor(joints, links, T_world_base) {
     this.joints = joints;
     this.links = links;
     this.T_world_base = Float64Array.from(T_world_base);
   }
 
-  /**
-   * Forward kinematics: T_world_frame of the base and of what each joint moves.
-   *
-   * @param {ArrayLike<number>} theta
-   */
+  /** Forward kinematics: T_world_frame of the base and of what each joint moves. @param {ArrayLike<number>} theta */
   frames(theta) {
     /** @type {Float64Array[]} */
     const found = [this.T_world_base];
@@ -85,11 +62,7 @@ export class Arm {
     return this.links.map(({on, T}) => compose(frames[on], T));
   }
 
-  /**
-   * @param {ArrayLike<number>} theta
-   * @param {BodyPoint[]} body
-   * @returns {Float64Array} (3 N) m in the world
-   */
+  /** @param {ArrayLike<number>} theta @param {BodyPoint[]} body @returns {Float64Array} (3 N) m in the world */
   points(theta, body) {
     const frames = this.frames(theta), found = new Float64Array(3 * body.length);
     body.forEach(({on, at}, i) => found.set(transform(frames[on], at), 3 * i));
@@ -99,17 +72,11 @@ export class Arm {
 
 const ROUNDS = 12, DIFFERENCE_RAD = 1e-4, MAX_STEP_RAD = 0.4;
 
-/**
- * Inverse kinematics: the posture within the limits that brings something nearest to a target, by damped least
+/** Inverse kinematics: the posture within the limits that brings something nearest to a target, by damped least
  * squares. A joint that is pushed against its limit is left out, or the others would overshoot.
- *
  * @param {(theta: number[]) => number[]} place coordinates of that something, m or px
- * @param {number[]} target the coordinates it should have
- * @param {number[]} theta where the search begins
- * @param {number[]} lower
- * @param {number[]} upper
- * @returns {number[]}
- */
+ * @param {number[]} target the coordinates it should have @param {number[]} theta where the search begins
+ * @param {number[]} lower @param {number[]} upper @returns {number[]} */
 export function reachFor(place, target, theta, lower, upper) {
   for (let round = 0; round < ROUNDS; round++) {
     const here = place(theta), e = target.map((v, i) => v - here[i]);

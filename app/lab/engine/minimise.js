@@ -9,14 +9,10 @@ const DAMPINGS = [0, 1], REGULAR = 1e-9; // REGULAR keeps the normal equations r
 const MAX_STEP_RAD = Math.PI; // longer steps are along directions that no image determines
 const ROUNDING = 1e-12; // of the largest curvature, below which one may be a rounding error
 
-/**
- * @param {(thetas: number[][]) => Float64Array[]} residualsAt postures → residuals of the images predicted there
- * @param {(e: Float64Array) => number} energy E of residuals
- * @param {number[]} start
- * @param {number[]} low
+/** @param {(thetas: number[][]) => Float64Array[]} residualsAt postures → residuals of the images predicted there
+ * @param {(e: Float64Array) => number} energy E of residuals @param {number[]} start @param {number[]} low
  * @param {number[]} high
- * @returns {{theta: number[], E: number, startE: number}} where E is least, and E there and at the start
- */
+ * @returns {{theta: number[], E: number, startE: number}} where E is least, and E there and at the start */
 export function minimise(residualsAt, energy, start, low, high) {
   let theta = start, E = Infinity, startE = NaN, candidates = [start];
   for (let round = 0; round < MAX_ROUNDS; round++) {
@@ -43,13 +39,8 @@ export function minimise(residualsAt, energy, start, low, high) {
   return {theta, E, startE};
 }
 
-/**
- * (H + λ diag H)⁻¹ g over the joints that are not barred, for each damping λ.
- *
- * @param {number[]} gradient
- * @param {number[][]} H
- * @param {boolean[]} barred
- */
+/** (H + λ diag H)⁻¹ g over the joints that are not barred, for each damping λ.
+ * @param {number[]} gradient @param {number[][]} H @param {boolean[]} barred */
 function dampedSteps(gradient, H, barred) {
   const floor = 1e-12 * Math.max(H.reduce((sum, row, i) => sum + row[i], 0), 1e-300);
   return DAMPINGS.map(damping => solve(H.map((row, i) => row.map((v, j) => barred[i] || barred[j] ? +(i === j)

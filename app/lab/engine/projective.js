@@ -1,10 +1,8 @@
-/**
- * Projective combination of views: exact for parallel pinhole cameras, in both of whose images a point has one depth.
+/** Projective combination of views: exact for parallel pinhole cameras, in both of whose images a point has one depth.
  *
  * ŷᵢ = (a₀ + Aᵀuᵢ) / ρᵢ with ρᵢ = 1 + p·uᵢ. uᵢ are the affine coordinates of point i in [l r], and L and R share p. a₀
- * and A are linear given p, which comes from a few Gauss-Newton steps of variable projection (Golub & Pereyra 1973, with
- * Kaufman's Jacobian), held near 0, the affine camera, by a weak prior.
- */
+ * and A are linear given p, which comes from a few Gauss-Newton steps of variable projection (Golub & Pereyra 1973,
+ * with Kaufman's Jacobian), held near 0, the affine camera, by a weak prior. */
 import {centred, centroid} from "./affine.js";
 import {affineShape} from "./linear.js";
 
@@ -54,11 +52,7 @@ export class ProjectiveTransfer {
 /** h = [1; u] of each point, (4 N), with columns of length √N. @param {{U: Float64Array}} shape @param {number} count */
 const coordinates = ({U}, count) => U.map((_, i) => i & 3 ? Math.sqrt(count) * U[i - 1] : 1);
 
-/**
- * What fits p and the coefficients to any own images of one demonstrator.
- *
- * @param {Float64Array} h (4 N)
- */
+/** What fits p and the coefficients to any own images of one demonstrator. @param {Float64Array} h (4 N) */
 function fitter(h) {
   const N = h.length / 4, H = new Float64Array(4 * N), inverted = new Float64Array(4 * N); // (HᵀH)⁻¹Hᵀ, point by point
   const found = new Float64Array(4 * N), A = new Float64Array(12 * N), p = new Float64Array(3), square = new Float64Array(16);
@@ -73,10 +67,7 @@ function fitter(h) {
     }
   };
 
-  /**
-   * @param {Float64Array} own (4 N) px, centred, from index `from` on
-   * @param {number} from
-   */
+  /** @param {Float64Array} own (4 N) px, centred, from index `from` on @param {number} from */
   return (own, from) => {
     p.fill(0);
     let total = 0;

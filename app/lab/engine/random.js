@@ -1,7 +1,5 @@
-/**
- * numpy's `default_rng(seed)`, bit for bit: SeedSequence and PCG64 (O'Neill 2014), and its ziggurat (Marsaglia & Tsang
- * 2000) for normal numbers. So a seed spoils the same images here and in Python.
- */
+/** numpy's `default_rng(seed)`, bit for bit: SeedSequence and PCG64 (O'Neill 2014), and its ziggurat (Marsaglia & Tsang
+ * 2000) for normal numbers. So a seed spoils the same images here and in Python. */
 
 const MASK_64 = (1n << 64n) - 1n, MASK_128 = (1n << 128n) - 1n;
 const MULTIPLIER = 47026247687942121848144207491837523525n;
@@ -26,11 +24,7 @@ const ZIGGURAT = (() => {
   return {width, density, sure};
 })();
 
-/**
- * SeedSequence(seed).generate_state(4, uint64).
- *
- * @param {number[]} seed integers from 0 to 2^53
- */
+/** SeedSequence(seed).generate_state(4, uint64). @param {number[]} seed integers from 0 to 2^53 */
 function seedState(seed) {
   const words = seed.flatMap(value => {
     const found = [value >>> 0];

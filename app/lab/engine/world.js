@@ -1,12 +1,6 @@
-/**
- * Two arms of the same build and a stereo head: postures in, image points out, with noise and lost points from a seed.
- *
- * @typedef {import("./kinematics.js").Joint} Joint
- * @typedef {import("./kinematics.js").Link} Link
- * @typedef {import("./kinematics.js").BodyPoint} BodyPoint
- * @typedef {import("./camera.js").Camera} Camera
+/** Two arms of the same build and a stereo head: postures in, image points out, with noise and lost points from a seed.
+ * @import {Joint, Link, BodyPoint} from "./kinematics.js" @import {Camera, Pair} from "./camera.js"
  * @typedef {"demonstrator" | "learner"} Who
- *
  * @typedef {Object} Scene what Python writes, to the last digit; angles in rad, lengths in m
  * @property {string} title
  * @property {string[]} joints symbols of the moving joints
@@ -21,12 +15,11 @@
  * @property {Camera[]} cameras of the views l, r, L, R
  * @property {Record<string, BodyPoint[]>} layouts body points, by their number
  * @property {number[]} [gaze] what the eyes of l and r look at, m
- *
- * @typedef {{images: Float64Array, seen: Uint8Array}} Look images of a body in a pair of views: (4 N) px, (2 N) 0 or 1
+ * @typedef {{images: Float64Array, seen: Uint8Array}} Look images of a body in a pair of views: (4 N) px, (2 N) 0 or
+ * 1
  * @typedef {{demo: Float64Array, demoSeen: Uint8Array, own: Float64Array, ownSeen: Uint8Array}} Views all four
- * @typedef {{noisePx: number, missing: number, seed: number}} Disturbance noisePx: standard deviation of a coordinate;
- *   missing: share of points that an image does not show
- */
+ * @typedef {{noisePx: number, missing: number, seed: number}} Disturbance noisePx: standard deviation of a
+ * coordinate; missing: share of points that an image does not show */
 import {centred, centroid} from "./affine.js";
 import {project} from "./camera.js";
 import {Arm} from "./kinematics.js";
@@ -46,7 +39,7 @@ export class World {
     const arm = (/** @type {Who} */ who) => new Arm(scene.chain, scene.links, scene.bases[who]);
     this.arms = {demonstrator: arm("demonstrator"), learner: arm("learner")};
     const [l, r, L, R] = scene.cameras;
-    /** @type {Record<Who, import("./camera.js").Pair>} */
+    /** @type {Record<Who, Pair>} */
     this.pairs = {demonstrator: [l, r], learner: [L, R]};
   }
 
@@ -64,8 +57,7 @@ export class Observer {
     this.disturbance = disturbance;
     /** Standard deviation of a coordinate, px, as measured at rest. */
     this.noisePx = this.#noiseAt(rest);
-    /** @type {{key: string, look: Look} | null} */
-    this.last = null;
+    this.last = /** @type {{key: string, look: Look} | null} */ (null);
   }
 
   /** @param {number[]} theta @param {number[]} thetaDemo @param {number} look which one it is, of the own body @returns {Views} */
@@ -86,15 +78,10 @@ export class Observer {
     return this.#disturbed(this.world.look("learner", theta), [OWN_STREAM, look]);
   }
 
-  /**
-   * How many looks to wait after a first motion until an image shows it, and whether that is known then: images of a real
-   * camera may come late, and a learner cannot know before it has moved.
-   *
-   * @param {Look} before
-   * @param {number[]} theta
-   * @param {number} look the number of the last look
-   * @returns {number | null} null where the motion does not show at all
-   */
+  /** How many looks to wait after a first motion until an image shows it, and whether that is known then: images of a
+   * real camera may come late, and a learner cannot know before it has moved.
+   * @param {Look} before @param {number[]} theta @param {number} look the number of the last look
+   * @returns {number | null} null where the motion does not show at all */
   lag(before, theta, look) {
     const least = MOVED_PX * imageUnit(select(before.images, seenTwice(before.seen))) + MOVED_STD * this.noisePx;
     for (let lag = 0; lag <= MAX_LAG; lag++) {
@@ -124,11 +111,8 @@ export class Observer {
   }
 }
 
-/**
- * Stream of a posture, its angles in millionths of a degree: in another posture there is other noise.
- *
- * @param {number[]} theta
- */
+/** Stream of a posture, its angles in millionths of a degree: in another posture there is other noise.
+ * @param {number[]} theta */
 function streamOf(theta) {
   return theta.map(v => Math.floor(v * (180 / Math.PI) * 1e6 + 0.5) >>> 0);
 }

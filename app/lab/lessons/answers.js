@@ -1,9 +1,4 @@
-/**
- * Whether an answer is there, whether it is right, and the reply to it.
- *
- * @typedef {import("./stage.js").Stage} Stage
- * @typedef {import("./stage.js").Ask} Ask
- */
+/** Whether an answer is there, whether it is right, and the reply to it. @import {Stage, Ask} from "./stage.js" */
 import {distanceOf, judged} from "./measures.js";
 
 const CLEAR_BET = 10; // % from the middle, from which a bet says something
@@ -50,10 +45,8 @@ export function isNear({factor, within}, number, truth) {
 /** The other place that was marked, which has a reply of its own. @param {Stage} stage */
 const elsewhereOf = stage => stage.mark && stage.step.ask.elsewhere?.find(one => distanceOf(stage, one.truth) <= one.near);
 
-/**
- * Whether the answer is right, or near enough to be called so; null without one, or where there is no right one.
- * @param {Stage} stage
- */
+/** Whether the answer is right, or near enough to be called so; null without one, or where there is no right one.
+ * @param {Stage} stage */
 export function isRight(stage) {
   const {step: {ask}, answer} = stage;
   if (!isAnswered(stage) || answer.shown) return null;

@@ -1,9 +1,5 @@
-/**
- * The card of a step: its words, what it asks, and after the answer a reply, a number in large and a sentence to say.
- *
- * @typedef {import("./stage.js").Stage} Stage
- * @typedef {import("./asks.js").Host} Host
- */
+/** The card of a step: its words, what it asks, and after the answer a reply, a number in large and a sentence to say.
+ * @import {Stage} from "./stage.js" @import {Host} from "./asks.js" */
 import {isAnswered, isRight, reply} from "./answers.js";
 import {askOf} from "./asks.js";
 import {inline, make, plain} from "./dom.js";
@@ -14,12 +10,8 @@ const STUCK = "Here is how it is. Before the next step, commit to a guess: you w
 const STUCK_AT = /** @type {Record<string, string>} */ ({do: "This is one way to reach the goal.",
   predict: "There is nothing to compare without a turn. Begin again, and make some."});
 
-/**
- * Words without what they would say of an earlier step that was not played.
- *
- * @param {string} words
- * @param {Stage} stage
- */
+/** Words without what they would say of an earlier step that was not played.
+ * @param {string} words @param {Stage} stage */
 export function playedOnly(words, stage) {
   const isOpen = (/** @type {string} */ part) => [...part.matchAll(/\{(your [^}]*)\}/g)].some(([, name]) =>
     judged(stage, name).text === "–");
@@ -46,8 +38,7 @@ export class Card {
     this.glossary = page.glossary ?? {};
     box.replaceChildren(make("h2", {tabindex: -1, html: inline(step.title)}), this.words, this.ask.element, this.headline,
       this.reply, this.after, this.say);
-    /** @type {Map<HTMLElement, string>} */
-    this.last = new Map();
+    this.last = /** @type {Map<HTMLElement, string>} */ (new Map());
   }
 
   update() {

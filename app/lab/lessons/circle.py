@@ -81,13 +81,7 @@ class CircleRuns:
 
 @cache
 def follow_circle(situation: Situation) -> CircleRuns:
-    """Follow the circle with both transfers.
-
-    Raises
-    ------
-    ValueError
-        If too few points are seen to fit a transfer.
-    """
+    """Follow the circle with both transfers. Raises ValueError if too few points are seen to fit one."""
     session = situation.session()
     first = session.snapshot
     last = session.run(MAX_MOTIONS, patience=1).last

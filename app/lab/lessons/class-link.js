@@ -1,10 +1,8 @@
 /** The connection of a class: one websocket that comes back, and answers that wait until the server has kept them. */
 
-/**
- * @typedef {{kind: string, [field: string]: any}} Message
+/** @typedef {{kind: string, [field: string]: any}} Message
  * @typedef {{kind: "answer", seq: number, lesson: string, step: string, answer: Record<string, any>, round: number,
- *   phase: string, sure: boolean | null, seconds: number | null}} Answer
- */
+ * phase: string, sure: boolean | null, seconds: number | null}} Answer */
 const FIRST_WAIT_MS = 400, LONGEST_WAIT_MS = 5000; // before the next try to connect
 const RESEND_MS = 60; // between two answers that are sent again
 const CAUSE_MS = 10_000; // without a connection, after which the page says why
@@ -17,10 +15,8 @@ const PREFIX = `viewimit-class ${location.pathname} `;
 class Memory {
   /** @param {() => Storage} storage */
   constructor(storage) {
-    /** @type {Map<string, string>} */
-    this.own = new Map();
-    /** @type {Storage | null} */
-    this.storage = null;
+    this.own = /** @type {Map<string, string>} */ (new Map());
+    this.storage = /** @type {Storage | null} */ (null);
     try {
       storage().setItem(`${PREFIX}test`, "1");
       storage().removeItem(`${PREFIX}test`);
@@ -63,8 +59,7 @@ export class Link {
     this.changed = changed;
     this.isOpen = false;
     this.wait = FIRST_WAIT_MS;
-    /** @type {WebSocket | null} */
-    this.socket = null;
+    this.socket = /** @type {WebSocket | null} */ (null);
     this.lostAt = performance.now(); // when the connection was lost, or first tried
     this.cause = ""; // what keeps it from opening
     addEventListener("online", () => this.#connect());

@@ -1,11 +1,7 @@
-/**
- * Where lessons begin: a picture of each, in the order to take them.
- *
- * @typedef {import("./stage.js").Lesson} Lesson
- * @typedef {import("./step-screen.js").Button} Button
+/** Where lessons begin: a picture of each, in the order to take them.
+ * @import {Lesson} from "./stage.js" @import {Button} from "./step-screen.js"
  * @typedef {{name: string, title: string, about: string, afterwards?: string, minutes: number}} Other served beside
- *   this page
- */
+ * this page */
 import {inline, make} from "./dom.js";
 import {QUESTION_S} from "./questions.js";
 import {StillScreen} from "./screens.js";
@@ -32,15 +28,11 @@ draw-of-learner" cx="46" cy="40" rx="24" ry="14"/><circle class="draw-own-dot" c
 };
 
 export class Cover extends StillScreen {
-  /**
-   * @param {HTMLElement} body
-   * @param {Lesson[]} lessons
-   * @param {Lesson} lesson on which one was
+  /** @param {HTMLElement} body @param {Lesson[]} lessons @param {Lesson} lesson on which one was
    * @param {(lesson: Lesson) => {words: string, done: number, isAsked: boolean}} stateOf
    * @param {{start: (lesson: Lesson) => void, steps: (lesson: Lesson) => void, step: (lesson: Lesson, id: string) =>
-   *   void, end: (lesson: Lesson) => void, forget: (lesson: Lesson) => void, catalogue: Other[],
-   *   beside: (name: string) => string}} acts
-   */
+   * void, end: (lesson: Lesson) => void, forget: (lesson: Lesson) => void, catalogue: Other[], beside: (name:
+   * string) => string}} acts */
   constructor(body, lessons, lesson, stateOf, acts) {
     super();
     this.start = () => acts.start(lesson);

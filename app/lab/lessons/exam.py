@@ -6,10 +6,10 @@ with one test and one file for each item.
 
 import io
 import re
-import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Sequence
 from typing import Any
+from xml.sax.saxutils import escape
 
 from .source import questions
 from .step_data import items_with_facts
@@ -18,7 +18,6 @@ CATEGORY = "viewimit/View-based imitation"
 TITLE = "View-based imitation: eight questions"
 QTI = "http://www.imsglobal.org/xsd/imsqti_v2p1"
 PACKAGE = "http://www.imsglobal.org/xsd/imscp_v1p1"
-XSI = "http://www.w3.org/2001/XMLSchema-instance"
 MOMENT = (2001, 10, 29, 0, 0, 0)  # of all files in a package, so that equal items make an equal package
 
 
@@ -52,96 +51,69 @@ def _plain(text: str) -> str:
     return text.replace("**", "")
 
 
+# One item: a choice of one answer, shuffled, that scores 1 for the right one, with the reply to each as feedback
+ITEM = """<assessmentItem {root} identifier="viewimit-{id}" title="{title}" adaptive="false" timeDependent="false">
+<responseDeclaration identifier="RESPONSE" cardinality="single" baseType="identifier">
+<correctResponse><value>{right}</value></correctResponse></responseDeclaration>
+<outcomeDeclaration identifier="SCORE" cardinality="single" baseType="float">
+<defaultValue><value>0</value></defaultValue></outcomeDeclaration>
+<outcomeDeclaration identifier="FEEDBACK" cardinality="single" baseType="identifier"/>
+<itemBody><choiceInteraction responseIdentifier="RESPONSE" shuffle="true" maxChoices="1"><prompt>{text}</prompt>
+{choices}</choiceInteraction></itemBody>
+<responseProcessing><responseCondition><responseIf>
+<match><variable identifier="RESPONSE"/><correct identifier="RESPONSE"/></match>
+<setOutcomeValue identifier="SCORE"><baseValue baseType="float">1</baseValue></setOutcomeValue>
+</responseIf></responseCondition>
+<setOutcomeValue identifier="FEEDBACK"><variable identifier="RESPONSE"/></setOutcomeValue></responseProcessing>
+{replies}</assessmentItem>"""
+TEST = """<assessmentTest {root} identifier="viewimit-test" title="{title}">
+<testPart identifier="part" navigationMode="nonlinear" submissionMode="simultaneous">
+<assessmentSection identifier="section" title="{title}" visible="true">
+{refs}</assessmentSection></testPart></assessmentTest>"""
+MANIFEST = """<manifest {root} identifier="viewimit-manifest">
+<metadata><schema>IMS Content</schema><schemaversion>1.1</schemaversion></metadata><organizations/>
+<resources><resource identifier="test" type="imsqti_test_xmlv2p1" href="test.xml"><file href="test.xml"/>
+{needs}</resource>
+{files}</resources></manifest>"""
+
+
 def qti_package(items: Sequence[dict[str, Any]]) -> bytes:
     """Return items as a zip file: an IMS content package of QTI 2.1 items and a test of all of them."""
-    files = {f"items/{item['id']}.xml": _xml(qti_item(item)) for item in items}
-    files = {"imsmanifest.xml": _xml(_manifest(items)), "test.xml": _xml(_test(items)), **files}
+    each = lambda form: "\n".join(form.format(id=item["id"]) for item in items)
+    needs = each('<dependency identifierref="item-{id}"/>')
+    hrefs = each(
+        '<resource identifier="item-{id}" type="imsqti_item_xmlv2p1" href="items/{id}.xml">'
+        '<file href="items/{id}.xml"/></resource>'
+    )
+    refs = each('<assessmentItemRef identifier="ref-{id}" href="items/{id}.xml"/>')
+    files = {
+        "imsmanifest.xml": MANIFEST.format(root=_root(PACKAGE, "imscp_v1p1"), needs=needs, files=hrefs),
+        "test.xml": TEST.format(root=_root(QTI, "imsqti_v2p1"), title=TITLE, refs=refs),
+        **{f"items/{item['id']}.xml": qti_item(item) for item in items},
+    }
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as package:
-        for name, data in files.items():
-            package.writestr(zipfile.ZipInfo(name, MOMENT), data, zipfile.ZIP_DEFLATED)
+        for name, text in files.items():
+            package.writestr(zipfile.ZipInfo(name, MOMENT), text.encode(), zipfile.ZIP_DEFLATED)
     return out.getvalue()
 
 
-def qti_item(item: dict[str, Any]) -> ET.Element:
-    """Return one item: a choice of one answer, shuffled, with the reply to each as feedback."""
-    root = _element(QTI, "assessmentItem", identifier=f"viewimit-{item['id']}", title=item["id"].replace("-", " "))
-    root.attrib |= {"adaptive": "false", "timeDependent": "false"}
-    names = [f"A{k}" for k in range(1, len(item["answers"]) + 1)]
-    right = names[next(k for k, answer in enumerate(item["answers"]) if answer["right"])]
-    response = _add(root, "responseDeclaration", identifier="RESPONSE", cardinality="single", baseType="identifier")
-    _add(_add(response, "correctResponse"), "value", right)
-    score = _add(root, "outcomeDeclaration", identifier="SCORE", cardinality="single", baseType="float")
-    _add(_add(score, "defaultValue"), "value", "0")
-    _add(root, "outcomeDeclaration", identifier="FEEDBACK", cardinality="single", baseType="identifier")
-    choice = _add(
-        _add(root, "itemBody"), "choiceInteraction", responseIdentifier="RESPONSE", shuffle="true", maxChoices="1"
+def qti_item(item: dict[str, Any]) -> str:
+    answers = {f"A{k}": answer for k, answer in enumerate(item["answers"], 1)}
+    choice = '<simpleChoice identifier="{name}">{text}</simpleChoice>\n'
+    reply = '<modalFeedback outcomeIdentifier="FEEDBACK" identifier="{name}" showHide="show">{text}</modalFeedback>\n'
+    said = lambda form, key: "".join(
+        form.format(name=name, text=escape(_plain(answers[name][key]))) for name in answers
     )
-    _add(choice, "prompt", item["text"])
-    for name, answer in zip(names, item["answers"]):
-        _add(choice, "simpleChoice", answer["text"], identifier=name)
-    _add_processing(root)
-    for name, answer in zip(names, item["answers"]):
-        feedback = _add(root, "modalFeedback", outcomeIdentifier="FEEDBACK", identifier=name, showHide="show")
-        feedback.text = _plain(answer["because"])
-    return root
+    return ITEM.format(
+        root=_root(QTI, "imsqti_v2p1"), id=item["id"], title=item["id"].replace("-", " "), text=escape(item["text"]),
+        right=next(name for name, answer in answers.items() if answer["right"]),
+        choices=said(choice, "text"), replies=said(reply, "because"),
+    )  # fmt: skip
 
 
-def _add_processing(root: ET.Element) -> None:
-    """Score 1 for the right answer, and the feedback of the answer given."""
-    processing = _add(root, "responseProcessing")
-    chosen = _add(_add(processing, "responseCondition"), "responseIf")
-    match = _add(chosen, "match")
-    _add(match, "variable", identifier="RESPONSE")
-    _add(match, "correct", identifier="RESPONSE")
-    _add(_add(chosen, "setOutcomeValue", identifier="SCORE"), "baseValue", "1", baseType="float")
-    _add(_add(processing, "setOutcomeValue", identifier="FEEDBACK"), "variable", identifier="RESPONSE")
-
-
-def _test(items: Sequence[dict[str, Any]]) -> ET.Element:
-    root = _element(QTI, "assessmentTest", identifier="viewimit-test", title=TITLE)
-    part = _add(root, "testPart", identifier="part", navigationMode="nonlinear", submissionMode="simultaneous")
-    section = _add(part, "assessmentSection", identifier="section", title=TITLE, visible="true")
-    for item in items:
-        _add(section, "assessmentItemRef", identifier=f"ref-{item['id']}", href=f"items/{item['id']}.xml")
-    return root
-
-
-def _manifest(items: Sequence[dict[str, Any]]) -> ET.Element:
-    root = _element(PACKAGE, "manifest", identifier="viewimit-manifest")
-    about = _add(root, "metadata")
-    _add(about, "schema", "IMS Content")
-    _add(about, "schemaversion", "1.1")
-    _add(root, "organizations")
-    resources = _add(root, "resources")
-    test = _add(resources, "resource", identifier="test", type="imsqti_test_xmlv2p1", href="test.xml")
-    _add(test, "file", href="test.xml")
-    for item in items:
-        _add(test, "dependency", identifierref=f"item-{item['id']}")
-    for item in items:
-        href = f"items/{item['id']}.xml"
-        one = _add(resources, "resource", identifier=f"item-{item['id']}", type="imsqti_item_xmlv2p1", href=href)
-        _add(one, "file", href=href)
-    return root
-
-
-def _element(namespace: str, name: str, **attributes: str) -> ET.Element:
-    return ET.Element(f"{{{namespace}}}{name}", attributes)
-
-
-def _add(parent: ET.Element, name: str, text: str | None = None, **attributes: str) -> ET.Element:
-    """Append an element of the parent's namespace."""
-    namespace = parent.tag[1:].partition("}")[0]
-    element = ET.SubElement(parent, f"{{{namespace}}}{name}", attributes)
-    element.text = text
-    return element
-
-
-def _xml(root: ET.Element) -> bytes:
-    namespace = root.tag[1:].partition("}")[0]
-    schema = {QTI: "imsqti_v2p1.xsd", PACKAGE: "imscp_v1p1.xsd"}[namespace]
-    root.set(f"{{{XSI}}}schemaLocation", f"{namespace} http://www.imsglobal.org/xsd/{schema}")
-    ET.register_namespace("", namespace)
-    ET.register_namespace("xsi", XSI)
-    ET.indent(root)
-    return ET.tostring(root, "utf-8", xml_declaration=True)
+def _root(namespace: str, schema: str) -> str:
+    """The attributes of a file's root element."""
+    where = f"{namespace} http://www.imsglobal.org/xsd/{schema}.xsd"
+    instance = "http://www.w3.org/2001/XMLSchema-instance"
+    return f'xmlns="{namespace}" xmlns:xsi="{instance}" xsi:schemaLocation="{where}"'

@@ -54,23 +54,10 @@ class Fact:
 def compute(
     situation: Situation, measures: Iterable[str], figures: Iterable[str] = ()
 ) -> tuple[dict[str, dict[str, Any]], dict[str, Any]]:
-    """Compute the facts and records of a step.
+    """Compute the facts {measure: {"value", "unit", "text"}} and the records {name: plain data for JSON} of a step.
 
-    Parameters
-    ----------
-    situation : Situation
-        The step's fixed state, or one that was sampled.
-    measures : iterable of str
-        Names in braces and of the question; those that the browser computes are left out.
-    figures : iterable of str
-        Names of the step's figures.
-
-    Returns
-    -------
-    facts : dict
-        {measure: {"value", "unit", "text"}}.
-    records : dict
-        {name: plain data for JSON}.
+    situation: the step's fixed state, or one that was sampled; measures: names in braces and of the question, of which
+    those that the browser computes are left out; figures: names of the step's figures.
     """
     facts = {name: FACTS[name].tell(situation) for name in measures if name in FACTS}
     names = {record for figure in figures for record in FIGURE_RECORDS.get(figure, ())}

@@ -14,17 +14,12 @@ import {Store} from "./store.js";
 import {isForPage} from "../view/keys.js";
 import {byId as $, fault, unpacked} from "../view/page.js";
 
-/**
- * @typedef {import("./stage.js").Lesson} Lesson
- * @typedef {import("./stage.js").Step} Step
- * @typedef {import("./stage.js").Mark} Mark
- * @typedef {import("./stage.js").Answer} Answer
- * @typedef {import("./step-screen.js").Screen} Screen
- * @typedef {import("./stage.js").Page & {lessons: Lesson[], start?: string,
- *   catalogue?: {name: string, title: string, short: string, about: string, afterwards: string, minutes: number,
- *   here: boolean}[]}} Data catalogue: all
- *   lessons that are served, those here and others
- * @typedef {{kind: "home"} | {kind: "step", id: string} | {kind: "before" | "after", k: number} | {kind: "end"}} Place
+/** @import {Lesson, Step, Mark, Answer, Page, Round} from "./stage.js" @import {KeptStep} from "./store.js" @import {Given} from "./questions.js" @import {Screen, Course} from "./step-screen.js"
+ * @typedef {Page & {lessons: Lesson[], start?: string, catalogue?: {name: string, title:
+ * string, short: string, about: string, afterwards: string, minutes: number, here: boolean}[]}} Data catalogue: all
+ * lessons that are served, those here and others
+ * @typedef {{kind: "home"} | {kind: "step", id: string} | {kind: "before" | "after", k: number} | {kind: "end"}}
+ * Place
  * @typedef {Object} Shown what a page shows, for others to follow
  * @property {string} lesson
  * @property {string} step the screen, as addresses name it
@@ -33,14 +28,13 @@ import {byId as $, fault, unpacked} from "../view/page.js";
  * @property {[string, number][]} sliders
  * @property {Mark | null} mark
  * @property {Answer} answer
- * @property {import("./stage.js").Round[]} rounds
+ * @property {Round[]} rounds
  * @property {number[]} theta of the learner; empty without a step
  * @property {{theta: number[], E: number, probe: boolean}[]} motions the latest
  * @property {number} reveal 0 … 1
  * @property {number} run
- * @typedef {{counts: number[]} | {marks: Mark[]} | null} Others what a class has answered: how often each answer was given, or
- *   where marks were made
- */
+ * @typedef {{counts: number[]} | {marks: Mark[]} | null} Others what a class has answered: how often each answer was
+ * given, or where marks were made */
 
 const WORDS_A_MINUTE = 200, LOOKING_S = 25, ACTING_S = 50, ROUND_S = 15; // of a step: to estimate the time that is left
 const FIRST_SEEDS = 97, MAX_SHARED = 60; // motions that others are sent
@@ -63,19 +57,15 @@ function begin(data) {
   let lesson = data.lessons[0];
   /** @type {Place} */
   let place = {kind: "home"};
-  /** @type {Map<string, Stage>} */
-  let stages = new Map();
+  let stages = /** @type {Map<string, Stage>} */ (new Map());
   /** @type {Map<string, number>} that the address or a button has asked for */
   let seeds = new Map();
-  /** @type {Screen | null} */
-  let screen = null;
+  let screen = /** @type {Screen | null} */ (null);
   /** @type {Stage | null} of the step on display */
   let stage = null;
-  /** @type {Others} */
-  let others = null;
-  /**
-   * @type {{lesson: Lesson, place: Place, seeds: Map<string, number>} | null} the place before the lesson was suspended
-   */
+  let others = /** @type {Others} */ (null);
+  /** @type {{lesson: Lesson, place: Place, seeds: Map<string, number>} | null} the place before the lesson was
+   * suspended */
   let before = null;
   let isFrozen = false, isLed = false, isHeld = false, isTruthHidden = false, isArriving = false;
   const isLocked = () => isFrozen || isLed, kept = () => store.of(lesson.name);
@@ -158,7 +148,7 @@ function begin(data) {
     return made;
   }
 
-  /** @param {Stage} made @param {import("./store.js").KeptStep} was */
+  /** @param {Stage} made @param {KeptStep} was */
   function recall(made, was) {
     made.answer = was.answer ?? {};
     made.mark = was.mark ?? null;
@@ -216,7 +206,7 @@ function begin(data) {
 
   // Screens
 
-  /** What the page around a step does for it. @type {import("./step-screen.js").Course} */
+  /** What the page around a step does for it. @type {Course} */
   const course = {
     isLocked, isHeld: () => isHeld, keep, go, note, announce, restart, redraw,
     answered: answered => hooks.onAnswer(answered.step.id, hooks.answer() ?? {}, isRight(answered)),
@@ -279,11 +269,8 @@ function begin(data) {
     if (first >= 0 && !Object.keys(steps).length) return {kind: "before", k: first};
     return open ? {kind: "step", id: open.id} : last >= 0 ? {kind: "after", k: last} : {kind: "end"};
   }
-  /**
-   * The first of the questions that is not answered; -1 for none.
-   * @param {Lesson} of
-   * @param {"before" | "after"} phase
-   */
+  /** The first of the questions that is not answered; -1 for none.
+   * @param {Lesson} of @param {"before" | "after"} phase */
   const openQuestion = ({name, questions}, phase) => (questions ?? []).findIndex(({id}) => !store.of(name)[phase][id]);
   /** @param {Lesson} of */
   function progressOf(of) {
@@ -293,10 +280,8 @@ function begin(data) {
       : isAsked ? "Go on with the questions" : "See the end"};
   }
 
-  /**
-   * A step that this page has, or that is served beside it, or else its name alone.
-   * @param {string} target "lesson/step"
-   */
+  /** A step that this page has, or that is served beside it, or else its name alone.
+   * @param {string} target "lesson/step" */
   function linkTo(target) {
     const [name, id] = target.split("/"), found = data.lessons.find(one => one.name === name),
       at = found?.steps.findIndex(step => step.id === id) ?? -1;
@@ -425,15 +410,12 @@ function begin(data) {
   }
 
   const hooks = {
-    page: data,
-    /**
-     * Called with every answer.
-     * @type {(step: string, answer: Answer & {place?: Mark}, right: boolean | null) => void}
-     */
+    /** Called with every answer.
+     * @type {(step: string, answer: Answer & {place?: Mark}, right: boolean | null) => void} */
     onAnswer: () => {},
     /** Called at every screen. @type {(step: string) => void} */
     onStep: () => {},
-    /** @type {(phase: "before" | "after", item: string, given: import("./questions.js").Given) => void} */
+    /** @type {(phase: "before" | "after", item: string, given: Given) => void} */
     onQuestion: () => {},
     /** Called after anything that `state` or `summary` tells. @type {() => void} */
     onChange: () => {},

@@ -1,10 +1,5 @@
-/**
- * Marks in the figure that is asked about: the visitor's own, those of a class, and how far from the truth.
- *
- * @typedef {import("./stage.js").Stage} Stage
- * @typedef {import("./stage.js").Mark} Mark
- * @typedef {import("./stage.js").Figure} Figure
- */
+/** Marks in the figure that is asked about: the visitor's own, those of a class, and how far from the truth.
+ * @import {Stage, Mark, Figure} from "./stage.js" */
 import {add, drawingUnit, px} from "../view/svg.js";
 import {judged, measure} from "./measures.js";
 import {distance, nearest} from "./measured.js";
@@ -15,13 +10,8 @@ const KEYS = /** @type {Record<string, [number, number]>} */ ({ArrowUp: [0, -1],
   ArrowLeft: [-1, 0], ArrowRight: [1, 0]});
 
 export class Marks {
-  /**
-   * @param {HTMLElement} box of the figure
-   * @param {Figure} figure
-   * @param {() => Stage} stage
-   * @param {(mark: Mark) => void} marked
-   * @param {() => boolean} isOpen whether a mark may be made
-   */
+  /** @param {HTMLElement} box of the figure @param {Figure} figure @param {() => Stage} stage
+   * @param {(mark: Mark) => void} marked @param {() => boolean} isOpen whether a mark may be made */
   constructor(box, figure, stage, marked, isOpen) {
     this.box = box;
     this.figure = figure;

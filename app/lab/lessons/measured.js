@@ -1,10 +1,5 @@
-/**
- * What measures are made of: numbers with their unit as they stand in a sentence, and distances of marks.
- *
- * @typedef {import("./stage.js").Stage} Stage
- * @typedef {import("./stage.js").Measured} Measured
- * @typedef {import("./stage.js").Mark} Mark
- */
+/** What measures are made of: numbers with their unit as they stand in a sentence, and distances of marks.
+ * @import {Measured, Mark} from "./stage.js" */
 import {energyText, fixed} from "../view/svg.js";
 
 const MISSING = "–";
@@ -16,13 +11,9 @@ export const short = value => {
     : Math.min(4, 1 - Math.floor(Math.log10(size))));
 };
 
-/**
- * @param {number} value NaN where there is none
- * @param {string} [unit] with the space before it
+/** @param {number} value NaN where there is none @param {string} [unit] with the space before it
  * @param {number | null} [digits] after the point, null for as many as it deserves
- * @param {string} [missing] text for NaN
- * @returns {Measured}
- */
+ * @param {string} [missing] text for NaN @returns {Measured} */
 export function measured(value, unit = "", digits = null, missing = MISSING) {
   return {value, unit, text: Number.isFinite(value)
     ? `${digits === null ? short(value) : fixed(value, digits)}${unit}` : missing};
@@ -34,24 +25,15 @@ export const energy = E => ({value: E, unit: " px²", text: `${energyText(E)} px
 /** A place or a posture, which no sentence has. @param {ArrayLike<number> | number[][]} value @returns {Measured} */
 export const placed = value => ({value, unit: "", text: MISSING});
 
-/**
- * How far a mark is from a place, or from a line of places.
- *
- * @param {ArrayLike<number>} mark
- * @param {ArrayLike<number> | number[][]} truth (2,), or the corners of a line
- */
+/** How far a mark is from a place, or from a line of places.
+ * @param {ArrayLike<number>} mark @param {ArrayLike<number> | number[][]} truth (2,), or the corners of a line */
 export function distance(mark, truth) {
   const at = nearest(mark, truth);
   return Math.hypot(mark[0] - at[0], mark[1] - at[1]);
 }
 
-/**
- * The place of a truth that is nearest to a mark.
- *
- * @param {ArrayLike<number>} mark
- * @param {ArrayLike<number> | number[][]} truth
- * @returns {Mark}
- */
+/** The place of a truth that is nearest to a mark.
+ * @param {ArrayLike<number>} mark @param {ArrayLike<number> | number[][]} truth @returns {Mark} */
 export function nearest(mark, truth) {
   if (!Array.isArray(truth[0])) return [Number(truth[0]), Number(truth[1])];
   const corners = /** @type {number[][]} */ (truth);

@@ -1,27 +1,18 @@
-/**
- * Measures: numbers, places and postures that a step asks for, tells and has in braces. The facts of the library come
+/** Measures: numbers, places and postures that a step asks for, tells and has in braces. The facts of the library come
  * first, then those computed here.
- *
- * @typedef {import("./stage.js").Stage} Stage
- * @typedef {import("./stage.js").Measure} Measure
- * @typedef {import("./stage.js").Measured} Measured
- */
+ * @import {Stage, Measure, Measured} from "./stage.js" */
+import {DEGREE, farthest} from "../engine/engine.js";
 import {distance, energy, placed, measured} from "./measured.js";
 import {LIMITS_MEASURES} from "./measures_limits.js";
 import {JACOBIAN_MEASURES} from "./measures_jacobian.js";
 import {RAY_MEASURES} from "./measures_ray.js";
 import {TOUR_MEASURES} from "./measures_tour.js";
 
-const DEGREE = Math.PI / 180;
-
 /** Motions after which E was below the goal first. @param {ArrayLike<number>} E @param {number | null} goal */
 export function reached(E, goal) {
   const at = goal === null ? -1 : Array.from(E).findIndex(value => value < goal);
   return measured(at < 0 ? NaN : at, "", 0, "never");
 }
-
-/** Of the joint that is farthest off. @param {number[]} theta @param {number[]} other */
-const degreesBetween = (theta, other) => Math.max(...theta.map((v, k) => Math.abs(v - other[k]))) / DEGREE;
 
 /** @param {Stage} stage @param {string} servo */
 function raced(stage, servo) {
@@ -49,11 +40,8 @@ export function distanceOf(stage, name) {
 /** Whether a claim that is bet on is true. @param {Stage} stage */
 const outcome = stage => Number(measure(stage, stage.step.ask.truth ?? "").value);
 
-/**
- * Where the mark or another place is on the map of E.
- * @param {Stage} stage
- * @param {ArrayLike<number> | null} theta rad
- */
+/** Where the mark or another place is on the map of E.
+ * @param {Stage} stage @param {ArrayLike<number> | null} theta rad */
 function energyAt(stage, theta) {
   return theta ? stage.session.observe(Array.from(theta)).E : NaN;
 }
@@ -73,10 +61,10 @@ export const MEASURES = {
   "smallest E": stage => energy(stage.landscape().minimum?.E ?? NaN),
   "place of the smallest E": stage => placed(stage.landscape().minimum?.theta ?? [NaN, NaN]),
   "E at your mark": stage => energy(energyAt(stage, stage.mark)),
-  "smallest E is off": stage => measured(degreesBetween(stage.landscape().minimum?.theta ?? [NaN, NaN],
+  "smallest E is off": stage => measured(farthest(stage.landscape().minimum?.theta ?? [NaN, NaN],
     stage.moment.thetaDemo), "°", 1),
   "error of the arm": ({motions, moment}) =>
-    measured(degreesBetween(motions[motions.length - 1].theta, moment.thetaDemo), "°", 1),
+    measured(farthest(motions[motions.length - 1].theta, moment.thetaDemo), "°", 1),
   "your motions to the goal": ({motions, steps, isShown, goal}) => steps && !isShown
     ? reached(motions.map(({E}) => E), goal) : measured(NaN),
   "motions of the likelihood servo": stage => raced(stage, "likelihood"),
@@ -96,11 +84,8 @@ export function measure(stage, name) {
   return MEASURES[name]?.(stage) ?? measured(NaN);
 }
 
-/**
- * A measure as it was when the truth was shown: later turns of sliders change no judgement.
- * @param {Stage} stage
- * @param {string} name
- */
+/** A measure as it was when the truth was shown: later turns of sliders change no judgement.
+ * @param {Stage} stage @param {string} name */
 export const judged = (stage, name) => stage.graded?.[name] ?? measure(stage, name);
 
 /** All measures that judge the answer or are named beside it, as they are now. @param {Stage} stage */
@@ -116,10 +101,7 @@ export function grade(stage) {
   }));
 }
 
-/**
- * Words with their {measures}; no line ends between a number and its unit.
- * @param {string} words
- * @param {Stage} stage
- */
+/** Words with their {measures}; no line ends between a number and its unit.
+ * @param {string} words @param {Stage} stage */
 export const fill = (words, stage) => words.replace(/\{([^}]*)\}/g, (_, name) =>
   judged(stage, name).text.replace(/^([−\d.,]+) (?=\S+$)/, "$1\u00a0"));

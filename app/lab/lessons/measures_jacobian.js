@@ -1,16 +1,10 @@
-/**
- * Measures of the lesson on the image Jacobian: how well landings were predicted, and how many steps a gain or a turned
- * camera costs.
- *
- * @typedef {import("./stage.js").Stage} Stage
- * @typedef {import("./stage.js").Measure} Measure
- * @typedef {import("./teach_by_showing.js").Run} Run
- */
-import {fixed} from "../view/svg.js";
+/** Measures of the lesson on the image Jacobian: how well landings were predicted, and how many steps a gain or a
+ * turned camera costs.
+ * @import {Stage, Measure} from "./stage.js" @import {Run} from "./teach_by_showing.js" */
+import {DEGREE, fixed} from "../view/svg.js";
 import {measured} from "./measured.js";
 import {coordinatesOf, stepsTo, teachByShowing} from "./teach_by_showing.js";
 
-const DEGREE = Math.PI / 180;
 export const GAINS = [0.1, 1, 2.2];
 export const THERE_PX = 2; // rms: so near counts as arrived
 const GAIN_PROBE_DEG = 15, TURNED_PROBE_DEG = 5; // of each joint, from which the first Jacobian is learned
@@ -39,13 +33,8 @@ export const gainRuns = stage => once(stage, "gains", () => GAINS.map(gain => te
 /** The point that the servo of the turned camera sees. @param {Stage} stage */
 export const turnedPoint = stage => Math.min(TURNED_POINT, stage.world.body.length - 1);
 
-/**
- * With the camera as it was, with a turned one and the old Jacobian, and with one that Broyden's update corrects.
- *
- * @param {Stage} stage
- * @param {number} [rollDeg]
- * @returns {{still: Run, old: Run, broyden: Run}}
- */
+/** With the camera as it was, with a turned one and the old Jacobian, and with one that Broyden's update corrects.
+ * @param {Stage} stage @param {number} [rollDeg] @returns {{still: Run, old: Run, broyden: Run}} */
 export function turnedRuns(stage, rollDeg = stage.sliders.get("roll") ?? 90) {
   const point = turnedPoint(stage), common = {
     start: stage.state.start, goal: stage.state.demonstrator, gain: TURNED_GAIN, steps: TURNED_STEPS,

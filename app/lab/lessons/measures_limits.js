@@ -1,17 +1,10 @@
-/**
- * Measures of the lessons on limits and claims that the browser computes.
- *
- * @typedef {import("./stage.js").Stage} Stage
- * @typedef {import("./stage.js").Measure} Measure
- * @typedef {import("./stage.js").Measured} Measured
- * @typedef {import("./figures/crossing.js").Crossing} Crossing
- */
-import {projectPoint} from "../engine/engine.js";
+/** Measures of the lessons on limits and claims that the browser computes.
+ * @import {Stage, Measure, Measured} from "./stage.js" @import {Crossing} from "./figures/crossing.js" */
+import {energyAt, farthest, projectPoint} from "../engine/engine.js";
 import {angleOf, crossingOf, ellipseOf, shiftOf} from "./figures/crossing.js";
-import {farthest} from "./figures/bowl.js";
 import {conditionOf, largestOf} from "./figures/matches.js";
 import {runOf} from "./figures/sign.js";
-import {Altered, energyAt} from "./maps.js";
+import {Altered} from "./maps.js";
 import {energy, measured} from "./measured.js";
 
 const FEWEST = 4; // matches
@@ -27,12 +20,9 @@ const ofCrossing = (of, unit) => stage => {
   return measured(found ? of(found) : NaN, unit, 1);
 };
 
-/**
- * What the same eyes would see if each showed an arm as if all of it were as far away as the middle of its points: the
+/** What the same eyes would see if each showed an arm as if all of it were as far away as the middle of its points: the
  * projection to first order.
- *
- * @param {Stage} stage
- */
+ * @param {Stage} stage */
 function withoutDepth({world, session, moment}) {
   const affine = new Altered(world, {alter: ({seen}, who, theta) => {
     const all = world.arms[who].points(theta, world.body), images = new Float64Array(4 * world.body.length);

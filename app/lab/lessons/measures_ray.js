@@ -1,11 +1,7 @@
-/**
- * Measures of the lesson on rays: how far off a ray a click is, how lines run, and what matched points leave over.
- *
- * @typedef {import("./stage.js").Stage} Stage
- * @typedef {import("./stage.js").Measure} Measure
- */
+/** Measures of the lesson on rays: how far off a ray a click is, how lines run, and what matched points leave over.
+ * @import {Stage, Measure} from "./stage.js" */
 import {symmetricEigen} from "../engine/algebra.js";
-import {World} from "../engine/engine.js";
+import {DEGREE, World} from "../engine/engine.js";
 import {placed, measured} from "./measured.js";
 import {
   angleBetween, camerasOf, epipole, LAST_SHARE, markOf, marksOf, movedInPicture1, onRay, pencil,
@@ -13,7 +9,6 @@ import {
 } from "./rays.js";
 import {projectPoint} from "../engine/camera.js";
 
-const DEGREE = Math.PI / 180;
 const DIFFERENT_DEG = [25, -45]; // a posture that is not the demonstrator's, as in the tour
 const RAY_FROM = 0.02; // share of the mark's depth, at which the ray begins for a click
 
@@ -30,11 +25,8 @@ export function pencilOf({world, moment, sliders}) {
   return pencil(pairs.map(([p]) => p), pairs.map(([, q]) => q), angle("lines in l"), angle("lines in L"));
 }
 
-/**
- * The largest distance of a point from its line in L, if the lines are fitted to the other four.
- *
- * @param {number[][][]} pairs five matches
- */
+/** The largest distance of a point from its line in L, if the lines are fitted to the other four.
+ * @param {number[][][]} pairs five matches */
 export function fifthLeftOut(pairs) {
   return Math.max(...pairs.map((_, left) => {
     const rows = pairs.map(pair => pair.flat()), used = rows.filter((_, i) => i !== left);

@@ -1,14 +1,9 @@
-/**
- * Measures of the tour: the crossing, the arrows, E in other places, and how much a small E leaves open.
- *
- * @typedef {import("./stage.js").Stage} Stage
- * @typedef {import("./stage.js").Measure} Measure
- */
+/** Measures of the tour: the crossing, the arrows, E in other places, and how much a small E leaves open.
+ * @import {Stage, Measure} from "./stage.js" */
 import {energy, placed, short, measured} from "./measured.js";
 import {movedPlaces, energyMoved} from "./places.js";
-import {fixed} from "../view/svg.js";
+import {DEGREE, fixed} from "../view/svg.js";
 
-const DEGREE = Math.PI / 180;
 /** Points that the images name: one of the hand, whose arrow is short though it has far to go, and one of the base. */
 export const HAND_POINT = 9;
 export const BASE_POINT = 3;
@@ -29,11 +24,8 @@ const arrowOf = (stage, i) => distance(inL(stage.recovered(), i), inL(stage.mome
 /** How far a point in L is from where it goes, px. @param {Stage} stage @param {number} i */
 const wayOf = (stage, i) => distance(inL(stage.moment.views.own, i), inL(ghostImages(stage), i));
 
-/**
- * Of all arrows, followed backwards from dot to diamond, with the ways to the ghost, over L and R.
- *
- * @param {Stage} stage
- */
+/** Of all arrows, followed backwards from dot to diamond, with the ways to the ghost, over L and R.
+ * @param {Stage} stage */
 function cosine(stage) {
   const {own} = stage.moment.views, found = stage.recovered(), goal = ghostImages(stage);
   let both = 0, arrows = 0, ways = 0;
@@ -45,11 +37,8 @@ function cosine(stage) {
   return both / Math.sqrt(arrows * ways);
 }
 
-/**
- * How far off a posture can be while E stays below the goal, degrees of the joint that is farthest off.
- *
- * @param {Stage} stage
- */
+/** How far off a posture can be while E stays below the goal, degrees of the joint that is farthest off.
+ * @param {Stage} stage */
 function widest(stage) {
   const {goal, moment} = stage, landscape = stage.landscape(STEP_DEG);
   let most = 0;

@@ -38,34 +38,16 @@ def lesson_page(
     lessons: Mapping[str, Lesson],
     entry: str = ENTRY,
     more_styles: str = "",
-    policy: str = "",
     others: Mapping[str, Lesson] | None = None,
     lab: tuple[str, str | None] = (SHIPPED, None),
     ways: Ways = NO_WAYS,
 ) -> str:
-    """Return lessons as one HTML page.
+    """Return lessons, by name in their order, as one HTML page.
 
-    Parameters
-    ----------
-    lessons
-        The lessons of the page by name, in their order.
-    entry
-        The module that runs, a path in app/lab/.
-    more_styles
-        CSS after the page's own.
-    policy
-        Directives that the page's content policy has besides, such as ";connect-src 'self'".
-    others
-        Lessons that are served beside this page, which then has links to them by name.
-    lab
-        Scene and robot of the lab beside this page, as settings name them.
-    ways
-        Where the header's verbs lead.
-
-    Raises
-    ------
-    ValueError
-        For lessons of more than one robot, or a scene that the lab cannot compute.
+    entry: the module that runs, a path in app/lab/; more_styles: CSS after the page's own; others: lessons that are
+    served beside this page, to which it then has links by name; lab: scene and robot of the lab beside it, as
+    settings name them; ways: where the header's verbs lead. Raises ValueError for lessons of more than one robot,
+    or a scene that the lab cannot compute.
     """
     first = next(iter(lessons.values()))
     data = json.dumps(page_data(lessons, others, lab), separators=(",", ":"), allow_nan=False)
@@ -75,7 +57,6 @@ def lesson_page(
         title=html.escape(title),
         about=html.escape(first.about),
         ways=header(ways, "learn"),
-        policy=html.escape(policy, quote=False),
         styles="\n".join((styles(*STYLE_FILES), more_styles)),
         data=packed(data.encode()),
         meshes=packed(b""),
@@ -106,7 +87,7 @@ def page_data(
         "hulls": describe_hulls(robot),
         "scenes": {key: _with_links(scene, lab) for key, scene in scenes.items()},
         "glossary": terms(),
-        "catalogue": _in_order(catalogue),
+        "catalogue": sorted(catalogue, key=lambda one: ORDER.index(one["name"]) if one["name"] in ORDER else -1),
         "lessons": plain,
     }
 
@@ -126,11 +107,6 @@ def _is_equal(one: dict[str, Any], other: dict[str, Any]) -> bool:
     return json.dumps(one, sort_keys=True) == json.dumps(other, sort_keys=True)
 
 
-def _in_order(catalogue: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The shipped lessons in their order, after a lecturer's own."""
-    return sorted(catalogue, key=lambda one: ORDER.index(one["name"]) if one["name"] in ORDER else -1)
-
-
 def _robot_of(lessons: Iterable[Lesson]) -> str:
     robots = {situation_of(lesson, step).scene.robot for lesson in lessons for step in lesson.step}
     if len(robots) > 1:
@@ -147,12 +123,8 @@ def terms() -> dict[str, str]:
 class LabPages:
     """The pages of the lab on a server: the lab itself, and each lesson when it is asked for first.
 
-    Parameters
-    ----------
-    scene, robot
-        Of the lab, as settings name them.
-    own
-        Lessons of a lecturer by name, beside the shipped ones. Their pages are computed at once, which takes seconds.
+    scene, robot: of the lab, as settings name them; own: lessons of a lecturer by name, beside the shipped ones, whose
+    pages are computed at once, which takes seconds.
     """
 
     def __init__(self, scene: str = SHIPPED, robot: str | None = None, own: Mapping[str, Lesson] | None = None):

@@ -1,11 +1,6 @@
-/**
- * A lesson on paper, as the browser prints it: each step with its pictures, its question and room for the answer; the
+/** A lesson on paper, as the browser prints it: each step with its pictures, its question and room for the answer; the
  * solutions come on pages of their own.
- *
- * @typedef {import("./stage.js").Lesson} Lesson
- * @typedef {import("./stage.js").Page} Page
- * @typedef {import("./stage.js").Step} Step
- */
+ * @import {Lesson, Page, FigureUse} from "./stage.js" */
 import {rightChoice} from "./answers.js";
 import {inline, make} from "./dom.js";
 import {ending} from "./figures/cards.js";
@@ -84,7 +79,7 @@ class Paper {
         make("p", {class: "question", html: inline(onPaper(fill(ask.question, stage)))}), ...roomFor(stage)));
   }
 
-  /** @param {import("./stage.js").FigureUse} use @param {Stage} stage @param {string} [size] its class */
+  /** @param {FigureUse} use @param {Stage} stage @param {string} [size] its class */
   #figure(use, stage, size = "large") {
     const {element, box, kind} = framed(use, !stage.isRevealed && use.figure === stage.step.ask.figure);
     element.classList.add(size);
@@ -95,8 +90,7 @@ class Paper {
 
 /** The steps as if nobody had answered them, from start 1. @param {Page} page @param {Lesson} lesson */
 function stagesOf(page, {steps}) {
-  /** @type {Map<string, Stage>} */
-  const made = new Map();
+  const made = /** @type {Map<string, Stage>} */ (new Map());
   for (const step of steps) {
     const stage = new Stage(page, step, {seed: 1, previous: made.get(step.carry ?? "") ?? null});
     stage.unit = FIGURES[step.ask.figure ?? ""]?.unit ?? "px";
@@ -161,16 +155,11 @@ function table(heads, rows) {
   return make("table", {}, cells(heads, "th"), ...rows.map(row => cells(row, "td")));
 }
 
-/**
- * Before the browser prints, the paper is laid out in light colours; afterwards it goes.
- *
- * @param {Page} page
- * @param {() => Lesson[]} lessons to print now
- */
+/** Before the browser prints, the paper is laid out in light colours; afterwards it goes.
+ * @param {Page} page @param {() => Lesson[]} lessons to print now */
 export function printable(page, lessons) {
   const root = document.documentElement;
-  /** @type {HTMLElement | null} */
-  let shown = null;
+  let shown = /** @type {HTMLElement | null} */ (null);
   let scheme = root.dataset.scheme;
   addEventListener("beforeprint", () => {
     scheme = root.dataset.scheme;

@@ -1,29 +1,15 @@
-/**
- * The demonstrator moved to other places in the room: it keeps its pose and faces the same way, and the eyes turn to
+/** The demonstrator moved to other places in the room: it keeps its pose and faces the same way, and the eyes turn to
  * follow it.
- *
- * @typedef {import("./stage.js").Stage} Stage
- * @typedef {import("../engine/camera.js").Camera} Camera
- * @typedef {{x: number, y: number, E: number}} Place how far it was moved,
- *   m ahead of the eyes and to their left, and E there
- */
-import {Session, World} from "../engine/engine.js";
+ * @import {Stage} from "./stage.js" @import {Camera} from "../engine/camera.js"
+ * @typedef {{x: number, y: number, E: number}} Place how far it was moved, m ahead of the eyes and to their left,
+ * and E there */
+import {cross, Session, unit, World} from "../engine/engine.js";
 
 /** Where it is moved, m: away from the eyes (x) and sideways (y). */
 export const MOVES = /** @type {[number, number][]} */ ([[0, 0.5], [0.5, 0], [1, 1], [-0.3, 0]]);
 
-/** @param {ArrayLike<number>} a @param {ArrayLike<number>} b @returns {[number, number, number]} */
-const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-/** @param {number[]} v */
-const unit = v => v.map(x => x / Math.hypot(...v));
-
-/**
- * A head of two parallel cameras, turned about its middle to look at a point.
- *
- * @param {[Camera, Camera]} pair
- * @param {ArrayLike<number>} gaze m
- * @returns {[Camera, Camera]}
- */
+/** A head of two parallel cameras, turned about its middle to look at a point.
+ * @param {[Camera, Camera]} pair @param {ArrayLike<number>} gaze m @returns {[Camera, Camera]} */
 export function turnedTo(pair, gaze) {
   const middle = [0, 1, 2].map(i => (pair[0].centre[i] + pair[1].centre[i]) / 2);
   const half = Math.hypot(...pair[1].centre.map((v, i) => v - middle[i]));
@@ -35,12 +21,7 @@ export function turnedTo(pair, gaze) {
   return [made[0], made[1]];
 }
 
-/**
- * E with the demonstrator moved.
- *
- * @param {Stage} stage
- * @param {[number, number]} by m
- */
+/** E with the demonstrator moved. @param {Stage} stage @param {[number, number]} by m */
 export function energyMoved({world, moment, session, state}, [x, y]) {
   const {scene} = world, [l, r, L, R] = scene.cameras, base = scene.bases.demonstrator;
   const gaze = scene.gaze ?? [base[3], base[7], base[11]];

@@ -1,25 +1,16 @@
-/**
- * The eight questions, asked before and after: their answers are shuffled,
- *   and each has "sure" or "guess" beside it.
- *
- * @typedef {import("./stage.js").Question} Question
+/** The eight questions, asked before and after: their answers are shuffled, and each has "sure" or "guess" beside it.
+ * @import {Question} from "./stage.js"
  * @typedef {{answer: number, right: boolean, sure: boolean, seconds: number}} Given answer: its index in the file
  * @typedef {Record<string, Given>} Givens by the question's id
- * @typedef {{words: string, go: (() => void) | null, href: string | null}} Link to a step or a lesson; without go and
- *   href it is its name alone
- */
+ * @typedef {{words: string, go: (() => void) | null, href: string | null}} Link to a step or a lesson; without go
+ * and href it is its name alone */
 import {inline, make} from "./dom.js";
 import {shuffledOrder} from "./stage.js";
 
 export const QUESTION_S = 28; // of each question, to estimate what a round takes
 
-/**
- * In which order a person gets the answers of a question.
- * @param {Question} question
- * @param {number} k its number
- * @param {number} person
- * @param {"before" | "after"} phase
- */
+/** In which order a person gets the answers of a question.
+ * @param {Question} question @param {number} k its number @param {number} person @param {"before" | "after"} phase */
 export const orderOf = ({answers}, k, person, phase) =>
   shuffledOrder(answers.length, person * 64 + 2 * k + (phase === "after" ? 1 : 0));
 
@@ -31,13 +22,9 @@ export const linked = ({words, go, href}, look) => go
 /** How many are right. @param {Question[]} questions @param {Givens} given */
 export const rightOf = (questions, given) => questions.filter(({id}) => given[id]?.right).length;
 
-/**
- * The normalised gain (Hake 1998): the share of the wrong answers before that is right after; null where nothing was wrong.
- *
- * @param {number} before
- * @param {number} after
- * @param {number} count
- */
+/** The normalised gain (Hake 1998): the share of the wrong answers before that is right after; null where nothing was
+ * wrong.
+ * @param {number} before @param {number} after @param {number} count */
 export const gain = (before, after, count) => before === count ? null : (after - before) / (count - before);
 
 /** How many were guessed. @param {Question[]} questions @param {Givens} given */
@@ -56,14 +43,9 @@ export function outcome(questions, before, after) {
     `${words} Guessed: ${guessedOf(questions, before)} of ${count} → ${guessedOf(questions, after)} of ${count}.`};
 }
 
-/**
- * One question as something to press.
- *
- * @param {Question} question
- * @param {number[]} order
- * @param {{answer: number | null, sure: boolean | null}} now what has been pressed
- * @param {() => void} changed
- */
+/** One question as something to press.
+ * @param {Question} question @param {number[]} order
+ * @param {{answer: number | null, sure: boolean | null}} now what has been pressed @param {() => void} changed */
 export function questionOf(question, order, now, changed) {
   const take = (/** @type {number} */ k) => {
     now.answer = order[k];
@@ -106,14 +88,8 @@ export function questionOf(question, order, now, changed) {
   };
 }
 
-/**
- * The review: the right answer of each question, one sentence why, and the step that shows it.
- *
- * @param {Question[]} questions
- * @param {Givens} before
- * @param {Givens} after
- * @param {(step: string) => Link} link
- */
+/** The review: the right answer of each question, one sentence why, and the step that shows it.
+ * @param {Question[]} questions @param {Givens} before @param {Givens} after @param {(step: string) => Link} link */
 export function reviewOf(questions, before, after, link) {
   const mark = (/** @type {Given | undefined} */ given) =>
     make("span", {class: given ? given.right ? "yes" : "no" : "none", role: "img", "aria-label": given

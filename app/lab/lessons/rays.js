@@ -1,12 +1,8 @@
-/**
- * Two cameras and one arm: rays, epipoles, a dolly with its zoom, and the geometry that two pencils of lines make by
+/** Two cameras and one arm: rays, epipoles, a dolly with its zoom, and the geometry that two pencils of lines make by
  * hand.
- *
- * @typedef {import("../engine/camera.js").Camera} Camera
- * @typedef {import("../engine/world.js").World} World
+ * @import {Camera} from "../engine/camera.js" @import {Stage} from "./stage.js" @import {World} from "../engine/world.js"
  * @typedef {[number, number, number]} Vector
- * @typedef {{a: number, b: number, c: number}} Line a x + b y + c = 0 px, with (a, b) of length 1
- */
+ * @typedef {{a: number, b: number, c: number}} Line a x + b y + c = 0 px, with (a, b) of length 1 */
 import {dot} from "../engine/algebra.js";
 import {projectPoint} from "../engine/camera.js";
 import {compose, transform} from "../engine/kinematics.js";
@@ -27,27 +23,18 @@ export function moved(camera, T) {
     centre: [moved[3], moved[7], moved[11]]};
 }
 
-/**
- * The two cameras of the first lesson, at one arm: l, and L moved to the demonstrator. As both arms are built alike,
+/** The two cameras of the first lesson, at one arm: l, and L moved to the demonstrator. As both arms are built alike,
  * the second sees the demonstrator as L sees the learner in the same posture.
- *
- * @param {Pick<World, "arms" | "scene">} world
- * @returns {[Camera, Camera]}
- */
+ * @param {Pick<World, "arms" | "scene">} world @returns {[Camera, Camera]} */
 export function twoCameras({arms: {demonstrator, learner}, scene: {cameras}}) {
   return [cameras[0], moved(cameras[2], compose(demonstrator.T_world_base, inverse(learner.T_world_base)))];
 }
 
-/**
- * A camera moved away from a target and zoomed in, its picture shifted so that the target stays where it is in it: the
+/** A camera moved away from a target and zoomed in, its picture shifted so that the target stays where it is in it: the
  * target keeps its size, and its perspective fades. Cameras that move by the same factor keep the direction between
  * them.
- *
- * @param {Camera} camera
- * @param {ArrayLike<number>} target m
- * @param {number} factor of the distance
- * @returns {Camera}
- */
+ * @param {Camera} camera @param {ArrayLike<number>} target m @param {number} factor of the distance
+ * @returns {Camera} */
 export function dollied(camera, target, factor) {
   const {focal, principal} = camera, [x, y] = projectPoint(camera, target);
   return {
@@ -60,24 +47,14 @@ export function dollied(camera, target, factor) {
 /** The image of one camera in another's picture. @param {Camera} into @param {Camera} of */
 export const epipole = (into, of) => projectPoint(into, of.centre);
 
-/**
- * A place on a camera's ray of a point.
- *
- * @param {Camera} camera
- * @param {ArrayLike<number>} point m
- * @param {number} share of its depth
- */
+/** A place on a camera's ray of a point.
+ * @param {Camera} camera @param {ArrayLike<number>} point m @param {number} share of its depth */
 export function onRay(camera, point, share) {
   return /** @type {Vector} */ (camera.centre.map((v, i) => v + share * (point[i] - v)));
 }
 
-/**
- * The image of a camera's ray of a point, in another camera.
- *
- * @param {Camera} into
- * @param {Camera} from
- * @param {ArrayLike<number>} point
- */
+/** The image of a camera's ray of a point, in another camera.
+ * @param {Camera} into @param {Camera} from @param {ArrayLike<number>} point */
 export function rayLine(into, from, point) {
   const [x, y] = projectPoint(into, point), [u, v] = projectPoint(into, onRay(from, point, 1.001));
   return through([x, y], [u, v]);
@@ -93,17 +70,14 @@ export function through(p, q) {
 export const angleBetween = (first, second) =>
   Math.asin(Math.min(1, Math.abs(first.a * second.b - second.a * first.b)));
 
-/**
- * Lines in two pictures by hand: parallel ones at an angle in each, with the spacing and the shift that fit the matches
- * best. The line of match i is where (b - first·s_i) of the second picture is 0.
- *
+/** Lines in two pictures by hand: parallel ones at an angle in each, with the spacing and the shift that fit the
+ * matches best. The line of match i is where (b - first·s_i) of the second picture is 0.
  * @param {number[][]} first px, points in the first picture
  * @param {number[][]} second px, their matches in the second
  * @param {number} angle rad, of the lines in the first picture, clockwise from the right
  * @param {number} otherAngle rad, of those in the second
  * @returns {{first: Line[], second: Line[], left: number[], rms: number}} left: px from each point of the second
- *   picture to its line, with a sign
- */
+ * picture to its line, with a sign */
 export function pencil(first, second, angle, otherAngle) {
   const n = [-Math.sin(angle), Math.cos(angle)], m = [-Math.sin(otherAngle), Math.cos(otherAngle)];
   const s = first.map(p => dot(n, p)), t = second.map(p => dot(m, p)), count = s.length;
@@ -117,14 +91,8 @@ export function pencil(first, second, angle, otherAngle) {
   };
 }
 
-/**
- * The place on a link's point in the world.
- *
- * @param {World} world
- * @param {"demonstrator" | "learner"} who
- * @param {number[]} theta
- * @param {number} point
- */
+/** The place on a link's point in the world.
+ * @param {World} world @param {"demonstrator" | "learner"} who @param {number[]} theta @param {number} point */
 export function placeOf(world, who, theta, point) {
   const {on, at} = world.body[point];
   return transform(world.arms[who].frames(theta)[on], at);
@@ -164,38 +132,26 @@ export function markOf(world) {
   return [T[3] + STICK[0], T[7] + STICK[1], T[11] + STICK[2]];
 }
 
-/** The three marks on the arm, m. @param {import("./stage.js").Stage} stage */
+/** The three marks on the arm, m. @param {Stage} stage */
 export const marksOf = stage => MARKED
   .map(point => placeOf(stage.world, "demonstrator", stage.moment.thetaDemo, point));
 
-/**
- * What both cameras move away from: the middle of the arm's points, m.
- *
- * @param {import("./stage.js").Stage} stage
- * @returns {Vector}
- */
+/** What both cameras move away from: the middle of the arm's points, m. @param {Stage} stage @returns {Vector} */
 export function targetOf({world, moment}) {
   const points = world.body.map((_, i) => placeOf(world, "demonstrator", moment.thetaDemo, i));
   return /** @type {Vector} */ ([0, 1, 2].map(k => points.reduce((sum, p) => sum + p[k], 0) / points.length));
 }
 
-/**
- * Cameras 1 and 2 as the slider `camera distance` has them.
- *
- * @param {import("./stage.js").Stage} stage
- * @param {number} [distance] times the usual one
- */
+/** Cameras 1 and 2 as the slider `camera distance` has them.
+ * @param {Stage} stage @param {number} [distance] times the usual one */
 export function camerasOf(stage, distance = stage.sliders.get("camera distance") ?? 1) {
   const target = targetOf(stage);
   const {scene, world: {arms}} = stage; // the scene's cameras: the slider has moved the world's
   return twoCameras({scene, arms}).map(camera => distance === 1 ? camera : dollied(camera, target, distance));
 }
 
-/**
- * The mark as it slides along its ray while the reveal is played: nearer, then away, then home.
- *
- * @param {number} reveal 0 … 1
- */
+/** The mark as it slides along its ray while the reveal is played: nearer, then away, then home.
+ * @param {number} reveal 0 … 1 */
 export function sliding(reveal) {
   const between = (/** @type {number} */ from, /** @type {number} */ to) =>
     smoothstep(Math.min(1, Math.max(0, (reveal - from) / (to - from))));
@@ -210,13 +166,9 @@ export function sliding(reveal) {
   };
 }
 
-/**
- * How far the mark would move in picture 1 if it were where a click in the view from outside has put it: as a click is
+/** How far the mark would move in picture 1 if it were where a click in the view from outside has put it: as a click is
  * itself a ray, at the place on that which is nearest to the mark's ray.
- *
- * @param {World} world
- * @param {ArrayLike<number>} at a mark in the view from outside
- */
+ * @param {World} world @param {ArrayLike<number>} at a mark in the view from outside */
 export function movedInPicture1(world, at) {
   const [right, down, towards] = outsideAxes(), [camera] = twoCameras(world), mark = markOf(world);
   const [u, v] = [at[0] / OUTSIDE.unit, at[1] / OUTSIDE.unit], from = right.map((r, i) => u * r + v * down[i]);

@@ -61,9 +61,9 @@ def motions_to(session: Session, goal: float) -> float:
     return next((float(moment.motion) for moment in session.history if moment.E < goal), np.nan)
 
 
-def claim_probability(certificate: Certificate, within_deg: float = CLAIM_DEG) -> float:
+def claim_probability(certificate: Certificate) -> float:
     """Return the probability that all joints are within an angle, for independent normal errors: Π (2 Φ(w/σ) - 1)."""
-    ratio = [np.radians(within_deg) / error if error > 0 else np.inf for error in certificate.std_error]
+    ratio = [np.radians(CLAIM_DEG) / error if error > 0 else np.inf for error in certificate.std_error]
     return float(np.prod([2 * NormalDist().cdf(one) - 1 if np.isfinite(one) else 1.0 for one in ratio]))
 
 

@@ -19,22 +19,10 @@ RACE_STARTS, RACE_SEED, RACE_GOAL = 16, 5, 3.0  # random starts over which servo
 
 
 def sample_postures(situation: Situation, count: int, seed: int) -> list[Situation]:
-    """Sample postures of both arms from which E can be brought below the goal, and whose start is far from it.
+    """Sample `count` postures of both arms from which E can be brought below the situation's goal, if it has one, and
+    whose start is far from it.
 
-    Parameters
-    ----------
-    situation : Situation
-        Its goal is E [px²], if it has one.
-    count, seed : int
-
-    Returns
-    -------
-    list of Situation
-
-    Raises
-    ------
-    ValueError
-        If too few are found, as for a goal that hardly any start is far from.
+    Raises ValueError if too few are found, as for a goal that hardly any start is far from.
     """
     found: list[Situation] = []
     rng = np.random.default_rng(seed)

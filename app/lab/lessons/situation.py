@@ -3,7 +3,6 @@
 Scenes are those of the step's settings, with other fields where the step gives some, or with the eyes moved.
 """
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from dataclasses import replace as changed
@@ -41,11 +40,6 @@ class Situation:
     @cached_property
     def _key(self) -> bytes:
         return msgspec.json.encode([self.settings, self.scene_fields, self.sliders], order="deterministic")
-
-    @cached_property
-    def digest(self) -> str:
-        """Sixteen characters, equal for equal situations."""
-        return hashlib.sha256(self._key).hexdigest()[:16]
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Situation) and self._key == other._key
@@ -90,34 +84,16 @@ class Situation:
         """Return the same step with other settings."""
         return changed(self, settings=replace(self.settings, **fields))
 
-    def with_scene(self, fields: Mapping[str, Any]) -> "Situation":
-        """Return the same step with other fields of the scene file."""
-        return changed(self, scene_fields=fields)
-
     def with_eyes(self, **sliders: float) -> "Situation":
         """Return the same step with the eyes moved, by the names of EYE_SLIDERS."""
         return changed(self, sliders={**self.sliders, **sliders})
 
 
 def move_eyes(scene: Scene, slider: str, value: float) -> Scene:
-    """Move the eyes of a scene.
+    """Return a scene with its eyes moved. Raises ValueError for another slider.
 
-    Parameters
-    ----------
-    scene : Scene
-    slider : {"distance", "baseline"}
-        "distance": times the distance from the middle between the gaze points, with longer focal lengths;
-        "baseline": distance of the eyes from each other [cm].
-    value : float
-
-    Returns
-    -------
-    Scene
-
-    Raises
-    ------
-    ValueError
-        For another slider.
+    slider: "distance", times the distance from the middle between the gaze points, with longer focal lengths, or
+    "baseline", the distance of the eyes from each other [cm].
     """
     if slider == "distance":
         return _at_distance(scene, value)

@@ -39,21 +39,9 @@ def questions() -> Questions:
 
 
 def load(path: Path, tried: bool = False) -> Lesson:
-    """Read a lesson file.
+    """Read a lesson file. tried: check it in its scenes as well, which takes a moment.
 
-    Parameters
-    ----------
-    path
-        The file.
-    tried
-        Check it in its scenes as well, which takes a moment.
-
-    Raises
-    ------
-    ValueError
-        For a file that is no lesson; the message names file, line and field.
-    OSError
-        For a file that cannot be read.
+    Raises ValueError for a file that is no lesson, naming file, line and field; OSError.
     """
     lesson = _read(path, Lesson, faults)
     if tried:
@@ -76,12 +64,8 @@ def own(paths: Iterable[Path]) -> dict[str, Lesson]:
 
 
 def find(given: str) -> tuple[str, Lesson]:
-    """Return the name and the lesson that a command was given: a shipped one by name, or a file.
-
-    Raises
-    ------
-    ValueError
-        For neither; the message lists the shipped names.
+    """Return name and lesson of what a command was given: a shipped one by name, or a file. Raises ValueError for
+    neither.
     """
     if given in ORDER:
         return given, shipped()[given]

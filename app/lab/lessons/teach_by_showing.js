@@ -1,11 +1,9 @@
-/**
- * Teaching by showing: an arm goes to where its image points stood in a picture that it was shown.
+/** Teaching by showing: an arm goes to where its image points stood in a picture that it was shown.
  *
  * The servo knows how its picture reacts to its joints, the image Jacobian J, and goes by u = -λ J⁺ (y - y*):
  * the step for which J promises the goal, times the gain λ (Hutchinson, Hager & Corke 1996). Broyden's update (1965)
  * corrects J by what each step really did.
- *
- * @typedef {import("../engine/world.js").World} World
+ * @import {World} from "../engine/world.js"
  * @typedef {Object} Task
  * @property {number[]} start rad
  * @property {number[]} goal the posture whose picture was shown, rad
@@ -15,25 +13,17 @@
  * @property {number} probeRad by how much each joint is turned to learn the first J
  * @property {number} [rollRad] by how much the camera is turned about its axis after J was learned
  * @property {number} [steps] how many are made
- *
- * @typedef {Object} Run
- * @property {number[][]} postures rad, of the start and after each step
- * @property {Float64Array[]} images (4 N) px at each of them, in the turned camera
- * @property {Float64Array} goal (4 N) px
- * @property {number[]} errors rms px from the goal, over the points that the servo sees
- */
+ * @typedef {{postures: number[][], images: Float64Array[], goal: Float64Array, errors: number[]}} Run postures: rad,
+ * of the start and after each step; images: (4 N) px at each of them, in the turned camera; goal: (4 N) px; errors:
+ * rms px from the goal, over the points that the servo sees */
 import {clamp, dot, leastSquares} from "../engine/algebra.js";
 
 const STEPS = 60;
 const MIN_MOTION_RAD = 1e-9; // a shorter motion says nothing about J
 
-/**
- * Image coordinates in a camera that is turned about its axis: the picture turns the other way round.
- *
- * @param {Float64Array} images (4 N) px
- * @param {number} rollRad of the camera
- * @param {number[]} centre px, of the picture
- */
+/** Image coordinates in a camera that is turned about its axis: the picture turns the other way round.
+ * @param {Float64Array} images (4 N) px @param {number} rollRad of the camera
+ * @param {number[]} centre px, of the picture */
 export function rolled(images, rollRad, [cx, cy]) {
   const c = Math.cos(-rollRad), s = Math.sin(-rollRad), found = new Float64Array(images.length);
   for (let i = 0; i < images.length; i += 2) {
@@ -48,13 +38,8 @@ export function rolled(images, rollRad, [cx, cy]) {
 export const coordinatesOf = (points, both) =>
   Array.from({length: 4 * points}, (_, k) => k).filter(k => both || (k & 3) < 2);
 
-/**
- * Go to the goal. J is learned before the camera is turned, from one probe of each joint at the start.
- *
- * @param {World} world
- * @param {Task} task
- * @returns {Run}
- */
+/** Go to the goal. J is learned before the camera is turned, from one probe of each joint at the start.
+ * @param {World} world @param {Task} task @returns {Run} */
 export function teachByShowing(world, {start, goal, gain, update, coordinates, probeRad, rollRad = 0, steps = STEPS}) {
   const {scene} = world, camera = world.pairs.learner[0], centre = camera.principal, count = start.length;
   const see = (/** @type {number[]} */ theta, roll = rollRad) =>
@@ -91,13 +76,9 @@ export function stepsTo({errors}, belowPx) {
   return found < 0 ? NaN : found;
 }
 
-/**
- * Broyden's update: J moves the least that explains the motion.
- *
- * @param {Float64Array[]} J one column for each joint, px/rad
- * @param {number[]} moved rad
- * @param {Float64Array} change px
- */
+/** Broyden's update: J moves the least that explains the motion.
+ * @param {Float64Array[]} J one column for each joint, px/rad @param {number[]} moved rad
+ * @param {Float64Array} change px */
 export function updated(J, moved, change) {
   const square = dot(moved, moved);
   const surprise = change.map((v, i) => v - J.reduce((sum, column, k) => sum + column[i] * moved[k], 0));

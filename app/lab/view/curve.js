@@ -1,8 +1,8 @@
 /** E after every step, on a logarithmic scale, and the joints' angles. */
-import {add, energyText, fixed, px, set} from "./svg.js";
+import {add, DEGREE, energyText, fixed, px, set} from "./svg.js";
 
 const PAD = {left: 4, top: 7, right: 8, bottom: 5}, MIN_STEPS = 8, MIN_E = 1e-3, LABEL_PX = 34, MAX_DOTS = 60;
-const DEGREE = Math.PI / 180, ROOM_PX = 13; // between two labels
+const ROOM_PX = 13; // between two labels
 const MIN_DEG = 20; // that the plot of angles spans at least
 
 /** @typedef {{E: number, probe: boolean, motion: number}} Step */
@@ -54,11 +54,8 @@ ${now === null ? "" : `<path class="vi-cursor" d="${cursor}"/>`}`;
 }
 
 export class Curve extends Plot {
-  /**
-   * @param {Step[]} history
-   * @param {number} [at] index of the step that is shown, the last one by default
-   * @param {number | null} [least] E in the demonstrator's posture, px²: a line
-   */
+  /** @param {Step[]} history @param {number} [at] index of the step that is shown, the last one by default
+   * @param {number | null} [least] E in the demonstrator's posture, px²: a line */
   draw(history, at = history.length - 1, least = null) {
     const {width, height} = this, now = history[at], key = [history.length, now.motion, now.E, at, least].join(" ");
     if (key === this.last) return;
@@ -93,11 +90,8 @@ ${labels}${rest}<path class="vi-line-E" d="${line(0, at)}"/>${probes}${here}`;
 
 /** The learner's angles, and dashed those of the demonstrator. */
 export class Angles extends Plot {
-  /**
-   * @param {{motion: number, theta: number[], thetaDemo: number[]}[]} history
-   * @param {number} at
-   * @param {string[]} symbols of the joints
-   */
+  /** @param {{motion: number, theta: number[], thetaDemo: number[]}[]} history @param {number} at
+   * @param {string[]} symbols of the joints */
   draw(history, at, symbols) {
     const key = `${history.length} ${at}`;
     if (key === this.last) return;
@@ -114,8 +108,7 @@ export class Angles extends Plot {
       const places = history.slice(from, to + 1).map((one, k) => `${px(xs[from + k])} ${px(y(of(one)))}`);
       return `<path class="${kind}" d="M${places.join("L")}"/>`;
     };
-    /** @type {number[]} */
-    const taken = [];
+    const taken = /** @type {number[]} */ ([]);
     const parts = symbols.map((symbol, j) => {
       const end = y(history[history.length - 1].theta[j]);
       const isFree = taken.every(other => Math.abs(other - end) > ROOM_PX);

@@ -4,7 +4,7 @@ import {byId as $} from "./page.js";
 import {fixed, say} from "./svg.js";
 import {SERVO_WORDS, TRANSFER_WORDS} from "./words.js";
 
-/** @typedef {import("./lab.js").Lab} Lab */
+/** @import {Lab} from "./lab.js" */
 
 export class Form {
   /** @param {Lab} lab */

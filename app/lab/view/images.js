@@ -1,12 +1,9 @@
-/**
- * The four images as SVG: silhouettes, points, transferred points, residuals and the lines of the chosen point.
- *
- * @typedef {import("../engine/world.js").World} World
- * @typedef {import("../engine/session.js").Moment} Moment
- * @typedef {import("../engine/affine.js").Line} Line
- * @typedef {Object} Construction of the chosen point: where noise of 1 px in l, r spreads it in L, R, and the steps to it
- * @property {{x: number, y: number, long: number, short: number, turn: number}[]} ellipses in L, R; px, turn in degrees
- * @property {number[][][] | null} steps in l, r, L, R: px
+/** The four images as SVG: silhouettes, points, transferred points, residuals and the lines of the chosen point.
+ * @import {World} from "../engine/world.js" @import {Camera} from "../engine/camera.js" @import {Moment} from "../engine/session.js"
+ * @import {Line} from "../engine/affine.js"
+ * @typedef {{ellipses: {x: number, y: number, long: number, short: number, turn: number}[], steps: number[][][] |
+ * null}} Construction of the chosen point: where noise of 1 px in l, r spreads it in L, R, and the steps to it;
+ * ellipses: in L, R; px, turn in degrees; steps: in l, r, L, R: px
  * @typedef {Object} Picture the contents of one frame
  * @property {Pick<Moment, "theta" | "thetaDemo" | "views" | "usable" | "fitted">} moment
  * @property {Float64Array} recovered (4 N) px, NaN where not usable
@@ -16,8 +13,7 @@
  * @property {number[][][] | null} [bones] the demonstrator's arm as it is transferred to L and R, px: null for none;
  *   computed from the moment if it is left out
  * @property {Construction | null} [construction]
- * @property {number} ease share of their way that the windows go to fit the drawing: 1 for the whole way at once
- */
+ * @property {number} ease share of their way that the windows go to fit the drawing: 1 for the whole way at once */
 import {projectPoint, transform} from "../engine/engine.js";
 import {add, drawingSize, drawingUnit, px, set} from "./svg.js";
 
@@ -29,13 +25,17 @@ const LAYERS = ["vi-goal", "vi-goal-bone", "vi-hull", "vi-bone", "vi-line", "vi-
   "vi-own vi-unused", "vi-seen", "vi-seen vi-unused", "vi-found", "vi-ring"];
 
 /** @typedef {{hulls: number[][][], bones: number[][]}} Outline of an arm in one image, px */
-/**
- * @typedef {{x: number, y: number, scale: number}} Window the image's point at the drawing's corner, and drawing px
- *   per px
- */
+/** @typedef {{x: number, y: number, scale: number}} Window the image's point at the drawing's corner, and drawing px
+ * per px */
 
 /** @param {Record<string, number[][]>} hulls outermost vertices of links, by their number */
 export const outermost = hulls => Object.entries(hulls).map(([link, vertices]) => ({link: Number(link), vertices}));
+
+/** The outline of each link in a drawing.
+ * @param {ReturnType<typeof outermost>} hulls @param {ArrayLike<number>[]} frames T_world_link
+ * @param {(p: number[]) => number[]} see from the world to the drawing */
+export const silhouettes = (hulls, frames, see) =>
+  hulls.map(({link, vertices}) => silhouette(vertices.map(v => see(transform(frames[link], v)))));
 
 /** A convex outline: the outermost points in sixteen directions. @param {number[][]} points @returns {number[][]} */
 export const silhouette = points => COMPASS.map(([a, b]) => {
@@ -52,26 +52,18 @@ export class Outlines {
   /** @param {Record<string, number[][]>} hulls outermost vertices of links */
   constructor(hulls) {
     this.hulls = outermost(hulls);
-    /** @type {Record<string, {scene: World["scene"], key: string, outlines: Outline[]}>} */
-    this.known = {};
+    this.known = /** @type {Record<string, {scene: World["scene"], key: string, outlines: Outline[]}>} */ ({});
   }
 
-  /**
-   * Silhouettes of the links and the line through their origins, in both images.
-   *
-   * @param {World} world
-   * @param {"demonstrator" | "learner"} who
-   * @param {ArrayLike<number>} theta
-   * @param {string} name under which the last one is kept
-   * @returns {Outline[]}
-   */
+  /** Silhouettes of the links and the line through their origins, in both images.
+   * @param {World} world @param {"demonstrator" | "learner"} who @param {ArrayLike<number>} theta
+   * @param {string} name under which the last one is kept @returns {Outline[]} */
   of(world, who, theta, name) {
     const key = Array.from(theta).join(), known = this.known[name];
     if (known?.key === key && known.scene === world.scene) return known.outlines;
     const frames = world.arms[who].linkFrames(theta);
     const outlines = world.pairs[who].map(camera => ({
-      hulls: this.hulls.map(({link, vertices}) =>
-        silhouette(vertices.map(v => projectPoint(camera, transform(frames[link], v), NEAREST_M)))),
+      hulls: silhouettes(this.hulls, frames, p => projectPoint(camera, p, NEAREST_M)),
       bones: frames.map(T => projectPoint(camera, [T[3], T[7], T[11]], NEAREST_M)),
     }));
     this.known[name] = {scene: world.scene, key, outlines};
@@ -80,10 +72,8 @@ export class Outlines {
 }
 
 export class Images {
-  /**
-   * @param {Record<string, HTMLElement>} boxes by view: all or some
-   * @param {Record<string, number[][]>} hulls outermost vertices of links
-   */
+  /** @param {Record<string, HTMLElement>} boxes by view: all or some
+   * @param {Record<string, number[][]>} hulls outermost vertices of links */
   constructor(boxes, hulls) {
     this.outlines = new Outlines(hulls);
     this.views = VIEWS.map((view, k) => ({view, k})).filter(({view}) => boxes[view]).map(({view, k}) => {
@@ -166,25 +156,15 @@ export class Images {
     return /** @type {Images["views"][number]} */ (this.views.find(view => view.k === k));
   }
 
-  /**
-   * Where a place of an image is drawn, in its drawing's units.
-   *
-   * @param {number} k the view
-   * @param {number} x px
-   * @param {number} y px
-   * @returns {[number, number]}
-   */
+  /** Where a place of an image is drawn, in its drawing's units.
+   * @param {number} k the view @param {number} x px @param {number} y px @returns {[number, number]} */
   place(k, x, y) {
     const {window} = this.view(k);
     return [(x - window.x) * window.scale, (y - window.y) * window.scale];
   }
 
-  /**
-   * The demonstrator's skeleton as the transfer puts it into the learner's views.
-   *
-   * @param {Pick<Moment, "fitted">} moment
-   * @param {Outline[]} demo
-   */
+  /** The demonstrator's skeleton as the transfer puts it into the learner's views.
+   * @param {Pick<Moment, "fitted">} moment @param {Outline[]} demo */
   #recoveredBones({fitted}, demo) {
     if (!fitted) return null;
     const joints = demo[0].bones.map((p, i) => [p[0], p[1], demo[1].bones[i][0], demo[1].bones[i][1]]);
@@ -219,15 +199,8 @@ export class Images {
     return off > .3;
   }
 
-  /**
-   * @param {Images["views"][number]} view
-   * @param {import("../engine/camera.js").Camera} camera
-   * @param {Picture} picture
-   * @param {Outline} outline
-   * @param {Outline | null} ghost
-   * @param {Float64Array | null} goalImages
-   * @param {number[][] | null} bones
-   */
+  /** @param {Images["views"][number]} view @param {Camera} camera @param {Picture} picture @param {Outline} outline
+   * @param {Outline | null} ghost @param {Float64Array | null} goalImages @param {number[][] | null} bones */
   #drawView(view, camera, {moment, recovered, lines, chosen, construction}, outline, ghost, goalImages, bones) {
     const {x, y, scale} = view.window, side = view.k & 1, isDemo = view.k < 2, {views} = moment;
     const images = isDemo ? views.demo : views.own, seen = isDemo ? views.demoSeen : views.ownSeen;
@@ -247,11 +220,8 @@ export class Images {
     const diamond = (/** @type {number} */ r) => (/** @type {number} */ a, /** @type {number} */ b) => `M${px(a - r)} ${px(b)}l${r} ${-r} ${r} ${r} ${-r} ${r}z`;
     const times = (/** @type {number} */ a, /** @type {number} */ b) => `M${px(a - 3)} ${px(b - 3)}l6 6m0-6l-6 6`;
     const used = new Set(moment.usable);
-    /**
-     * @param {(a: number, b: number) => string} mark
-     * @param {boolean} isUsed
-     * @returns {(a: number, b: number, i: number) => string}
-     */
+    /** @param {(a: number, b: number) => string} mark @param {boolean} isUsed
+     * @returns {(a: number, b: number, i: number) => string} */
     const shown = (mark, isUsed) => (a, b, i) => seen[2 * i + side] && used.has(i) === isUsed ? mark(a, b) : "";
     /** @type {Record<string, string>} */
     const d = {"vi-hull": closed(outline.hulls), "vi-bone": polyline(outline.bones)};

@@ -1,14 +1,12 @@
 /** The landscape of E: shading and contours on a canvas, marks over it as SVG. */
-import {clamp} from "../engine/engine.js";
-import {add, drawingUnit, px, set} from "./svg.js";
+import {clamp, DEGREE} from "../engine/engine.js";
+import {add, drawingUnit, escaped, px, set} from "./svg.js";
 
-/**
- * @typedef {Pick<import("../engine/landscape.js").Landscape, "axes" | "count" | "E" | "minimum" | "posture">} Ground
+/** @typedef {Pick<import("../engine/landscape.js").Landscape, "axes" | "count" | "E" | "minimum" | "posture">} Ground
  */
 
 /** @typedef {{clientX: number, clientY: number}} Pointer */
 
-const DEGREE = Math.PI / 180;
 const LEVELS = [0.01, 0.1, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]; // px²
 const MAX_LEVELS = 7, RANGE = 2000, BRIGHTEST = 1000, DARKEST = 0.01; // E is shaded over this factor, up to these px²
 const NAME_PX = 7.2, NUMBER_PX = [10, 7]; // of a letter; half width and height of a contour's number
@@ -16,15 +14,9 @@ const NEAR_PX = 12, RING_PX = 11; // of the learner from other marks
 const TICK_PX = 36; // from one angle to the next
 const PAD = {left: 52, top: 8, right: 12, bottom: 31};
 
-/**
- * Marching squares: where a grid of values crosses a level, in grid units.
- *
- * @param {Float64Array} z row by row
- * @param {number} rows
- * @param {number} columns
- * @param {number} level
- * @param {(x0: number, y0: number, x1: number, y1: number) => void} line
- */
+/** Marching squares: where a grid of values crosses a level, in grid units.
+ * @param {Float64Array} z row by row @param {number} rows @param {number} columns @param {number} level
+ * @param {(x0: number, y0: number, x1: number, y1: number) => void} line */
 export function contour(z, rows, columns, level, line) {
   for (let i = 0; i < rows - 1; i++) for (let j = 0; j < columns - 1; j++) {
     const at = i * columns + j, a = z[at] - level, b = z[at + 1] - level, c = z[at + columns + 1] - level, d = z[at + columns] - level;
@@ -47,8 +39,8 @@ export class EnergyMap {
   /** @param {HTMLElement} box */
   constructor(box) {
     this.box = box;
-    this.canvas = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas"));
-    this.over = /** @type {SVGSVGElement} */ (box.querySelector("svg"));
+    this.canvas = box.querySelector("canvas") ?? box.appendChild(document.createElement("canvas"));
+    this.over = box.querySelector("svg") ?? add(box, "svg", {class: "vi lesson-drawing", role: "img"});
     this.image = document.createElement("canvas");
     /** @type {{lower: number[], upper: number[], joints: string[]}} */
     this.range = {lower: [0, 0], upper: [1, 1], joints: ["", ""]};
@@ -62,11 +54,8 @@ export class EnergyMap {
     /** Places of the contours' numbers. @type {number[][]} */
     this.numbers = [];
     this.z = new Float64Array(0);
-    /**
-     * The drawing below the marks: its grid, and the contours' levels, ln px².
-     *
-     * @type {{rows: number, columns: number, levels: number[]}}
-     */
+    /** The drawing below the marks: its grid, and the contours' levels, ln px².
+     * @type {{rows: number, columns: number, levels: number[]}} */
     this.drawn = {rows: 0, columns: 0, levels: []};
     /** px of a drawing's unit */
     this.unit = 1;
@@ -108,12 +97,9 @@ export class EnergyMap {
     return this.posture(x, y);
   }
 
-  /**
-   * Shade E, and draw its contours.
-   *
+  /** Shade E, and draw its contours.
    * @param {Ground | null} landscape null for the axes alone
-   * @param {{lower: number[], upper: number[], joints: string[]}} range
-   */
+   * @param {{lower: number[], upper: number[], joints: string[]}} range */
   ground(landscape, range) {
     this.range = range;
     this.unit = drawingUnit();
@@ -162,8 +148,7 @@ export class EnergyMap {
     const middle = this.place(landscape.minimum?.theta ?? landscape.posture(0));
     const corners = [[left, top], [right, top], [left, bottom], [right, bottom]], away = (/** @type {number[]} */ p) => Math.hypot(p[0] - middle[0], p[1] - middle[1]);
     const far = corners.reduce((a, b) => away(b) > away(a) ? b : a), ray = Math.atan2(far[1] - middle[1], far[0] - middle[0]);
-    /** @type {number[][]} */
-    const taken = [];
+    const taken = /** @type {number[][]} */ ([]);
     let labels = "";
     const levels = LEVELS.filter(v => Math.log(v) > least && Math.log(v) < most).slice(-MAX_LEVELS);
     this.drawn = {rows, columns, levels: levels.map(Math.log)};
@@ -189,6 +174,14 @@ export class EnergyMap {
     this.numbers = taken;
     this.#write(this.levels, labels);
     this.#axes();
+  }
+
+  /** Leave out the contours' numbers that something covers. @param {(box: [number, number, number, number]) => boolean} isFree */
+  clear(isFree) {
+    for (const level of this.levels.querySelectorAll(".vi-level")) {
+      const x = Number(level.getAttribute("x")), y = Number(level.getAttribute("y"));
+      level.classList.toggle("lesson-covered", !isFree([x - 13, y - 12, x + 13, y + 4]));
+    }
   }
 
   /** @param {SVGGElement} group @param {string} html */
@@ -228,15 +221,11 @@ export class EnergyMap {
     brush.putImageData(pixels, 0, 0);
   }
 
-  /**
-   * @param {Object} what
-   * @param {number[] | null} what.demonstrator null to leave it out
-   * @param {number[]} what.learner
-   * @param {number[] | null} what.minimum
-   * @param {{theta: number[], probe: boolean, isPast: boolean}[]} what.path postures visited; those past had another E
-   * @param {number[][]} [what.later] postures still to come, of a recorded run
-   * @param {number[][]} [what.demonstrators] postures where the demonstrator was before
-   */
+  /** @param {Object} what @param {number[] | null} what.demonstrator null to leave it out
+   * @param {number[]} what.learner @param {number[] | null} what.minimum
+   * @param {{theta: number[], probe: boolean, isPast: boolean}[]} what.path postures visited; those past had another
+   * E @param {number[][]} [what.later] postures still to come, of a recorded run
+   * @param {number[][]} [what.demonstrators] postures where the demonstrator was before */
   marks({demonstrator, learner, minimum, path, later = [], demonstrators = []}) {
     const {width, height} = this, at = (/** @type {number[]} */ theta) => this.place(theta).map(px).join(" "), [x, y] = this.place(learner);
     const goal = demonstrator && this.place(demonstrator), dots = [[x, y], ...goal ? [goal] : []];
@@ -286,6 +275,3 @@ function nice(low, high, most) {
   for (let k = Math.ceil((low - 1e-6) / step); k * step <= high + 1e-6; k++) found.push(k * step);
   return found;
 }
-
-/** A URDF names its joints as it likes. @param {string} text */
-const escaped = text => text.replace(/[&<>]/g, sign => `&#${sign.charCodeAt(0)};`);

@@ -17,13 +17,9 @@ export function fault(why) {
 
 const COPY_MS = 400, COPIED_MS = 1500; // what the clipboard may take, and how long the button says what happened
 
-/**
- * Copy a text, or show it where a page may not.
- *
- * @param {HTMLElement} button that says what happened
- * @param {string} text
- * @param {string} about the text, where it is shown
- */
+/** Copy a text, or show it where a page may not.
+ * @param {HTMLElement} button that says what happened @param {string} text
+ * @param {string} about the text, where it is shown */
 export async function copy(button, text, about) {
   const usual = button.dataset.usual ??= button.textContent ?? "";
   button.textContent = "Copying";

@@ -1,14 +1,10 @@
 /** SVG elements whose attributes are rewritten in place, numbers as text, and the pace of what moves. */
+export {DEGREE} from "../engine/algebra.js";
 
 const NAMESPACE = "http://www.w3.org/2000/svg";
 
-/**
- * @template {keyof SVGElementTagNameMap} K
- * @param {Element} within
- * @param {K} tag
- * @param {Record<string, string | number>} [attributes]
- * @returns {SVGElementTagNameMap[K]}
- */
+/** @template {keyof SVGElementTagNameMap} K @param {Element} within @param {K} tag
+ * @param {Record<string, string | number>} [attributes] @returns {SVGElementTagNameMap[K]} */
 export function add(within, tag, attributes = {}) {
   const made = document.createElementNS(NAMESPACE, tag);
   set(made, attributes);
@@ -27,6 +23,9 @@ export function say(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
+/** Text as HTML has it. @param {string} text */
+export const escaped = text => text.replace(/[&<>"]/g, sign => `&#${sign.charCodeAt(0)};`);
+
 /** With a real minus. @param {number} value @param {number} [digits] */
 export const fixed = (value, digits = 1) => value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1").replace("-", "−");
 
@@ -39,12 +38,9 @@ export const px = value => value.toFixed(1);
 /** How many px a drawing's unit is: its marks and letters grow with the page's own. */
 export const drawingUnit = () => Math.max(1, parseFloat(getComputedStyle(document.documentElement).fontSize) / 15);
 
-/**
- * The size of a drawing that fills its box.
- *
+/** The size of a drawing that fills its box.
  * @param {{clientWidth: number, clientHeight: number}} box
- * @returns {{unit: number, width: number, height: number}} px of a unit; units
- */
+ * @returns {{unit: number, width: number, height: number}} px of a unit; units */
 export function drawingSize({clientWidth, clientHeight}) {
   const unit = drawingUnit();
   return {unit, width: Math.max(clientWidth, 40) / unit, height: Math.max(clientHeight, 40) / unit};

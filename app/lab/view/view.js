@@ -1,7 +1,5 @@
-/**
- * How a moment looks: four images, the map of E, its curve, the joints and both robots in 3-D, in the lab and in
- * replays.
- */
+/** How a moment looks: four images, the map of E, its curve, the joints and both robots in 3-D, in the lab and in
+ * replays. */
 import {backProject, transform, triangulate} from "../engine/engine.js";
 import {Curve} from "./curve.js";
 import {Images, outermost, silhouette} from "./images.js";
@@ -11,17 +9,13 @@ import {Outside} from "./outside.js";
 import {openSpace} from "./space.js";
 import {drawingUnit, fixed, px, say, set} from "./svg.js";
 
-/**
- * @typedef {import("./space.js").Vector} Vector
- * @typedef {import("./space.js").Who} Who
- * @typedef {import("../engine/world.js").World} World
- * @typedef {import("../engine/affine.js").Line} Line
- * @typedef {import("../engine/world.js").Scene & {stage: import("./space.js").Stage,
- *   page?: {scene: string, layouts: string[]}}} Scene page: how the page of viewimit names it
+/** @import {Vector, Who, Stage} from "./space.js" @import {Picture} from "./images.js" @import {World} from "../engine/world.js"
+ * @import {Line} from "../engine/affine.js"
+ * @typedef {import("../engine/world.js").Scene & {stage: Stage, page?: {scene: string, layouts:
+ * string[]}}} Scene page: how the page of viewimit names it
  * @typedef {{robot: import("./space.js").Common, hulls: Record<string, number[][]>}} Common of all scenes of a robot
- * @typedef {import("./images.js").Picture & {rays: boolean, isChosen?: boolean}} Shown
- *   rays: whether each point is joined with its images in 3-D; isChosen: whether the visitor chose the point
- */
+ * @typedef {Picture & {rays: boolean, isChosen?: boolean}} Shown rays: whether each point is
+ * joined with its images in 3-D; isChosen: whether the visitor chose the point */
 
 const IN_3D = "viewimit-in-3d"; // what the browser keeps of a visitor who wants 3-D though it is slow
 const PLATE_M = 0.17; // from a camera to its image plate, times the size of the scene
@@ -29,10 +23,7 @@ const PLATE_M = 0.17; // from a camera to its image plate, times the size of the
 const LINES = {points: [1.6, .8], chosen: [2.6, .9]};
 
 export class View {
-  /**
-   * @param {Common} common
-   * @param {ArrayBuffer} meshes
-   * @param {() => void} changed when a drawing's size has changed
+  /** @param {Common} common @param {ArrayBuffer} meshes @param {() => void} changed when a drawing's size has changed
    */
   constructor({robot, hulls}, meshes, changed) {
     this.images = new Images({L: $("L"), R: $("R"), l: $("l"), r: $("r")}, hulls);
@@ -53,8 +44,7 @@ export class View {
     this.isSpaceDue = false;
     /** @type {() => void} */
     this.show = () => {};
-    /** @type {Scene | null} */
-    this.scene = null;
+    this.scene = /** @type {Scene | null} */ (null);
     for (const [drawing, box] of /** @type {const} */ ([[this.images, $("images")], [this.curve, $("curve")]])) {
       drawing.measure();
       new ResizeObserver(() => { drawing.measure(); changed(); }).observe(box);
@@ -88,13 +78,9 @@ export class View {
     this.images.fresh = true;
   }
 
-  /**
-   * Images, scene and the words on the chosen point.
-   *
-   * @param {World} world
-   * @param {Shown} shown
-   * @returns {boolean} whether the windows of the images have still to move
-   */
+  /** Images, scene and the words on the chosen point.
+   * @param {World} world @param {Shown} shown
+   * @returns {boolean} whether the windows of the images have still to move */
   draw(world, shown) {
     const moves = this.images.draw(world, shown);
     say($("residual"), residualOf(shown));
@@ -143,12 +129,9 @@ export class View {
     }));
   }
 
-  /**
-   * The goal over the 3-D view, as in the pictures: a dashed outline.
-   *
+  /** The goal over the 3-D view, as in the pictures: a dashed outline.
    * @param {(p: ArrayLike<number>) => Vector} project to px, the third positive before the camera
-   * @param {ArrayLike<number>[] | null} frames of the links
-   */
+   * @param {ArrayLike<number>[] | null} frames of the links */
   #outline(project, frames) {
     const outlines = frames ? this.hulls.map(({link, vertices}) => vertices.map(v => project(transform(frames[link], v)))) : [];
     const ahead = outlines.filter(corners => corners.every(([, , w]) => w > 0)).map(corners => silhouette(corners));
@@ -181,13 +164,9 @@ export class View {
   }
 }
 
-/**
- * The 3-D view, null without WebGL.
- *
- * @param {import("./space.js").Common} robot
- * @param {ArrayBuffer} meshes
- * @param {() => void} slow when its first frames have taken too long, unless a visitor wants it all the same
- */
+/** The 3-D view, null without WebGL.
+ * @param {import("./space.js").Common} robot @param {ArrayBuffer} meshes
+ * @param {() => void} slow when its first frames have taken too long, unless a visitor wants it all the same */
 function opened(robot, meshes, slow) {
   let isWanted = false;
   try { isWanted = Boolean(localStorage.getItem(IN_3D)); } catch { /* a page that may not store */ }
@@ -205,22 +184,12 @@ function residualOf({moment: {views}, recovered, chosen}) {
 
 /** @typedef {[Vector, Vector, string, number, number]} Strip a line in 3-D, as space.js takes it */
 
-/**
- * @param {ArrayLike<number>} from
- * @param {ArrayLike<number>} to
- * @param {string} role
- * @param {[number, number]} how
- * @returns {Strip}
- */
+/** @param {ArrayLike<number>} from @param {ArrayLike<number>} to @param {string} role @param {[number, number]} how
+ * @returns {Strip} */
 const strip = (from, to, role, [width, opacity]) => [vector(from), vector(to), role, width, opacity];
 
-/**
- * The left camera's ray, on past the point: anything on it looks the same to that camera.
- *
- * @param {Scene} scene
- * @param {Vector} point
- * @returns {Strip[]}
- */
+/** The left camera's ray, on past the point: anything on it looks the same to that camera.
+ * @param {Scene} scene @param {Vector} point @returns {Strip[]} */
 function rayOf(scene, point) {
   if (!point) return [];
   const {centre} = scene.cameras[0];
@@ -228,13 +197,8 @@ function rayOf(scene, point) {
   return [strip(on(.3), on(1.5), "chosen", LINES.chosen)];
 }
 
-/**
- * An epipolar line, where it crosses the plate of its picture in the scene.
- *
- * @param {Scene} scene
- * @param {Line} line
- * @returns {Strip[]}
- */
+/** An epipolar line, where it crosses the plate of its picture in the scene.
+ * @param {Scene} scene @param {Line} line @returns {Strip[]} */
 function plated(scene, {into, a, b, c}) {
   const camera = scene.cameras[into], {width, height} = camera;
   const inside = [[0, -c / b], [width, -(c + a * width) / b], [-c / a, 0], [-(c + b * height) / a, height]]

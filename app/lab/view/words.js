@@ -1,32 +1,25 @@
 /** What the page says of a moment, in sentences. */
 import METHODS from "../../../assets/lab/methods.json" with {type: "json"};
 import VERDICTS from "../../../assets/verdicts.json" with {type: "json"};
-import {MIN_POINTS} from "../engine/engine.js";
+import {DEGREE, MIN_POINTS} from "../engine/engine.js";
 import {fixed} from "./svg.js";
 
-/** @typedef {import("../engine/session.js").Moment} Moment */
+/** @import {Moment} from "../engine/session.js" */
 
-const DEGREE = Math.PI / 180, EXACT_DEG = 0.05;
+const EXACT_DEG = 0.05;
 
 /** @type {Record<string, {title: string, says: string, periodMs: number}>} ms of a step */
 export const SERVO_WORDS = METHODS.servos;
 /** @type {Record<string, {title: string, says: string}>} */
 export const TRANSFER_WORDS = METHODS.transfers;
 
-/**
- * How a status is told, as in every front end. Colour of the mark: none, blue, green, amber, red or grey.
- *
- * @type {Record<string, {label: string, says: string, dot: string}>}
- */
+/** How a status is told, as in every front end. Colour of the mark: none, blue, green, amber, red or grey.
+ * @type {Record<string, {label: string, says: string, dot: string}>} */
 export const verdicts = VERDICTS;
 
-/**
- * @param {Moment} now
- * @param {boolean} playing
- * @param {number} points of the body
+/** @param {Moment} now @param {boolean} playing @param {number} points of the body
  * @param {number} posedAt the motion at which the demonstrator moved last
- * @returns {{status: string, label: string, text: string, dot: string}}
- */
+ * @returns {{status: string, label: string, text: string, dot: string}} */
 export function outcome(now, playing, points, posedAt) {
   const few = points < MIN_POINTS, ended = few ? "too-few-points" : now.status;
   const isUnderWay = ended === "moving" && (playing || now.motion > 0);
@@ -40,14 +33,11 @@ export function outcome(now, playing, points, posedAt) {
   return {status, label, text: [says, more].filter(Boolean).join(" "), dot};
 }
 
-/**
- * The verdict of a status on one run, as `Verdict.sentence` in Python has it.
- *
+/** The verdict of a status on one run, as `Verdict.sentence` in Python has it.
  * @param {string} status
- * @param {{steps: number, E: number, seen?: number, joints?: string, expectedOffDeg?: number | null}} run joints: names
- *   of those that the points do not show; expectedOffDeg: what the learner expects to be off, if it says so
- * @returns {{label: string, says: string, dot: string}}
- */
+ * @param {{steps: number, E: number, seen?: number, joints?: string, expectedOffDeg?: number | null}} run joints:
+ * names of those that the points do not show; expectedOffDeg: what the learner expects to be off, if it says so
+ * @returns {{label: string, says: string, dot: string}} */
 export function told(status, {steps, E, seen = 0, joints = "every joint", expectedOffDeg = null}) {
   const {label, says, dot} = verdicts[status];
   const sentence = expectedOffDeg === null ? says.split(" It expects", 1)[0] : says;
@@ -58,14 +48,8 @@ export function told(status, {steps, E, seen = 0, joints = "every joint", expect
 /** @param {string} text with {places} @param {Record<string, string | number>} parts */
 const fill = (text, parts) => text.replace(/\{(\w+)\}/g, (_, name) => String(parts[name] ?? ""));
 
-/**
- * The truth, which the learner does not know.
- *
- * @param {number[]} theta
- * @param {number[]} thetaDemo
- * @param {string[]} joints
- * @param {number} E px²
- */
+/** The truth, which the learner does not know.
+ * @param {number[]} theta @param {number[]} thetaDemo @param {string[]} joints @param {number} E px² */
 export function truth(theta, thetaDemo, joints, E) {
   const off = theta.map((v, k) => Math.abs(v - thetaDemo[k]) / DEGREE);
   if (Math.max(...off) < EXACT_DEG) {

@@ -9,7 +9,6 @@ from ...loop.session import Session
 from ...loop.settings import Settings
 from ...sensing.files import file_name
 from ...servo import SERVOS
-from ...wording import plural
 from ..plots import describe_settings
 
 PAPER = "“View-Based Imitation Learning by Conflict Resolution with Epipolar Geometry”, IROS 2001"
@@ -78,7 +77,7 @@ def cite_experiment(name: str, settings: Settings, motion: object = None) -> Cit
 def _conditions(settings: Settings) -> str:
     words = [describe_settings(settings)]
     if settings.frames > 1:
-        words.append(plural("{n} frame", "{n} frames", settings.frames).format(n=settings.frames))
+        words.append(f"{settings.frames} frames")
     return " · ".join([*words, f"seed {settings.seed}"])
 
 

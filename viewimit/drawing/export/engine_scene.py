@@ -31,8 +31,7 @@ def require_scene(scene: Scene) -> None:
     """Raise ValueError for a scene that the engine cannot compute."""
     count = len(scene.moving_joints)
     if count != MOVING_JOINTS:
-        refusal = "the lab needs {needed} moving joints, this scene has {n}: choose --joints"
-        raise ValueError(refusal.format(needed=MOVING_JOINTS, n=count))
+        raise ValueError(f"the lab needs {MOVING_JOINTS} moving joints, this scene has {count}: choose --joints")
     head = scene.stereo_head()
     if head.left.is_distorted or head.right.is_distorted:
         raise ValueError("the lab has pinhole cameras: this scene's lenses distort their images")

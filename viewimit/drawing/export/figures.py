@@ -127,8 +127,7 @@ def require_renderer(path: Path, instead: str) -> None:
     suffix = path.suffix.lower()
     if suffix in WRITERS and not can_render(suffix):
         package, install = WRITERS[suffix]
-        refusal = "{path}: {suffix} needs {package}: {install}; {instead} does not"
-        raise ValueError(refusal.format(path=path, suffix=suffix, package=package, install=install, instead=instead))
+        raise ValueError(f"{path}: {suffix} needs {package}: {install}; {instead} does not")
 
 
 def as_png(picture: str, scale: int = PRINT_SCALE) -> bytes:
@@ -315,8 +314,7 @@ def can_typeset() -> bool:
 def require_typesetter() -> None:
     """Raise ValueError if equations cannot be typeset."""
     if not can_typeset():
-        refusal = "a picture of equations needs {typesetter}: {install}"
-        raise ValueError(refusal.format(typesetter=TYPESETTER, install=INSTALL))
+        raise ValueError(f"a picture of equations needs {TYPESETTER}: {INSTALL}")
 
 
 def typeset_equations(equations: Sequence[Equation], title: str) -> Figure:

@@ -16,7 +16,6 @@ from ...simulation.camera import triangulate
 from ...simulation.robot import link_meshes
 from ...simulation.scene_geometry import FOV, fit_view
 from ...simulation.world import World
-from ...wording import plural
 from .. import svg
 from ..images.planes import image_points
 from ..theme import ROLES, half_white, rgb
@@ -120,12 +119,8 @@ def draw_space(
         f'<g fill="{ROLES["ink"][0]}" opacity=".13">{shadows}</g>'
         f'<g stroke-width=".3" stroke-linejoin="round">{painted}</g>{names}</svg>'
     )
-    title = plural(
-        "Both arms in 3-D after {n} step, which the learner does not see",
-        "Both arms in 3-D after {n} steps, which the learner does not see",
-        moment.motion,
-    )
-    return Figure(inside, WIDTH, height, title.format(n=moment.motion))
+    title = f"Both arms in 3-D after {svg.count_motions(moment.motion)}, which the learner does not see"
+    return Figure(inside, WIDTH, height, title)
 
 
 def _links(

@@ -56,11 +56,6 @@ def posed(
     return session
 
 
-def _settings(fields: dict[str, Any]) -> dict[str, Any]:
-    """Fields of `Settings`, of any types."""
-    return fields
-
-
 def of_study(seed: int, number: int) -> np.random.Generator:
     """Return a generator from which all runs of a study draw, one after the other."""
     return np.random.default_rng(seed)
@@ -134,16 +129,17 @@ def rehearsed(draw: Draw, count: int, offset_deg: float, **changes: Any) -> Sess
     return session
 
 
+SPOILED: list[tuple[str, dict[str, Any]]] = [
+    (f"{what} {share:.0%}, {frames} frame{'s' * (frames > 1)}", {what: share, "frames": frames})
+    for what, share in (("missing", 0.1), ("missing", 0.3), ("outliers", 0.1))
+    for frames in (1, 5)
+]
 ROBUSTNESS = Group(
     "Noise, missing, wrong and swapped points, an inexact arm, and seven joints.",
     (
         Case("undisturbed", posed),
         *(Case(f"noise {px} px, 25 frames", partial(posed, noise_px=px, frames=25)) for px in (0.25, 0.5, 1.0)),
-        *(
-            Case(f"{what} {share:.0%}, {images}", partial(posed, **_settings({what: share, "frames": frames})))
-            for what, share in (("missing", 0.1), ("missing", 0.3), ("outliers", 0.1))
-            for frames, images in ((1, "1 frame"), (5, "5 frames"))
-        ),
+        *(Case(name, partial(posed, **changes)) for name, changes in SPOILED),
         Case(
             "all of these: 0.5 px, 10%, 10%, 25 frames",
             partial(posed, noise_px=0.5, missing=0.1, outliers=0.1, frames=25),
@@ -309,10 +305,8 @@ def on_surface(
 
 def marked(draw: Draw, symmetric: bool, **changes: Any) -> Session:
     """Markers on both sides of an arm's plane, or between the sides."""
-    arm = draw_marked_arm(draw.rng, symmetric)
-    return posed(
-        draw, open_eyes=lambda sensor, scene, points: SurfaceEyes(scene, arm.body, None), scene=arm.scene, **changes
-    )
+    text, body = draw_marked_arm(draw.rng, symmetric)
+    return posed(draw, open_eyes=lambda sensor, scene, points: SurfaceEyes(scene, body, None), scene=text, **changes)
 
 
 def distant(draw: Draw, **changes: Any) -> Session:
@@ -328,7 +322,7 @@ CLAIMS: list[tuple[str, Callable[[Draw], Session], Callable[[Run], bool]]] = [
     ("5 points", partial(on_surface, count=5), claims_nothing),
     *(
         (
-            f"noise {px} px, {frames} frame{'s' if frames > 1 else ''}",
+            f"noise {px} px, {frames} frame{'s' * (frames > 1)}",
             partial(posed, noise_px=px, frames=frames),
             arrives,
         )
@@ -439,9 +433,9 @@ def unnamed(
     if kind == "any head":
         return any_head(draw, open_eyes=eyes, **changes)
     if kind == "symmetric":
-        arm = draw_marked_arm(draw.rng, symmetric=True)
-        body = [(int(link), *place) for link, place in zip(arm.body.link, arm.body.local.tolist())]
-        return posed(draw, open_eyes=eyes, scene=arm.scene, body_points=tuple(body), **changes)
+        text, markers = draw_marked_arm(draw.rng, symmetric=True)
+        body = [(int(link), *place) for link, place in zip(markers.link, markers.local.tolist())]
+        return posed(draw, open_eyes=eyes, scene=text, body_points=tuple(body), **changes)
     return posed(draw, open_eyes=eyes, points=count, **changes)
 
 

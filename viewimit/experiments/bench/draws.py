@@ -135,26 +135,19 @@ def _faces(robot: str) -> tuple[NDArray, NDArray, NDArray, NDArray]:
     return corners, normals, areas, np.concatenate([np.full(len(mesh.faces), link) for link, mesh in meshes])
 
 
-@dataclass(frozen=True)
-class Arm:
-    """A scene with symmetric markers."""
-
-    scene: str  # text of a scene file
-    pair_axis: int  # along which the two markers of a pair differ: across the arm's plane, or in it
-
-
-ARMS = (  # the other joints are at 0, or turn about axes across the plane
-    Arm(
+ARMS = (  # text of a scene file, and the axis along which the two markers of a pair differ: across the arm's plane, or
+    # in it; the other joints are at 0, or turn about axes across the plane
+    (
         'extends = "iiwa"\nrange_deg = [[-50, 50], [-100, 100]]\nstart_deg = [-20, 30]\n'
         "posture_deg = [0, 30, 0, -40, 0, 0, 0]\n",
         Y,
     ),
-    Arm(
+    (
         'extends = "panda"\nmoving_joints = [3, 5]\nrange_deg = [[-60, 60], [-80, 80]]\nstart_deg = [-20, 30]\n'
         "posture_deg = [0, 45, 30, -90, -40, 90, 0]\n",
         X,
     ),
-    Arm(
+    (
         'extends = "iiwa"\nmoving_joints = [2, 4, 6]\nrange_deg = [[-50, 50], [-90, 90], [-90, 90]]\n'
         "start_deg = [-20, 30, 20]\nposture_deg = [0, 30, 0, -40, 0, 30, 0]\n",
         Y,
@@ -162,26 +155,14 @@ ARMS = (  # the other joints are at 0, or turn about axes across the plane
 )
 
 
-@dataclass(frozen=True)
-class MarkedArm:
-    """An arm with its markers."""
-
-    arm: Arm
-    body: BodyPoints  # pairs, one after the other
-
-    @property
-    def scene(self) -> str:
-        return self.arm.scene
-
-
-def draw_marked_arm(rng: np.random.Generator, symmetric: bool) -> MarkedArm:
-    """Draw an arm with a pair of markers at its base and at each joint.
+def draw_marked_arm(rng: np.random.Generator, symmetric: bool) -> tuple[str, BodyPoints]:
+    """Draw the text of a scene, and a pair of markers at the arm's base and at each joint, one after the other.
 
     symmetric: about the arm's plane, exactly or with each marker moved by 2 to 10 mm. False: each anywhere across the
     plane, within MARKER_SIDE_M.
     """
-    arm = ARMS[rng.choice(len(ARMS))]
-    return MarkedArm(arm, _markers(load_scene(arm.scene), arm.pair_axis, rng, symmetric))
+    text, pair_axis = ARMS[rng.choice(len(ARMS))]
+    return text, _markers(load_scene(text), pair_axis, rng, symmetric)
 
 
 def _markers(scene: Scene, pair_axis: int, rng: np.random.Generator, symmetric: bool) -> BodyPoints:
@@ -329,14 +310,8 @@ def _layout(points: list[tuple], count: int, rng: np.random.Generator) -> tuple[
     while True:
         chosen = tuple(points[k] for k in sorted(rng.permutation(len(points))[:count]))
         link = np.array([point[0] for point in chosen])
-        if (
-            min(
-                (link < FIRST_MIDDLE_LINK).sum(),
-                ((link >= FIRST_MIDDLE_LINK) & (link < FIRST_OUTER_LINK)).sum(),
-                (link >= FIRST_OUTER_LINK).sum(),
-            )
-            >= MIN_POINTS_PER_PART
-        ):
+        parts = np.bincount(np.digitize(link, (FIRST_MIDDLE_LINK, FIRST_OUTER_LINK)), minlength=3)
+        if parts.min() >= MIN_POINTS_PER_PART:
             return chosen
 
 

@@ -25,7 +25,7 @@ def lay_out(found: Sequence[Summary]) -> str:
         f"share of runs in % (95 % confidence interval); false: of claims, more than {FALSE_DEG:g}° and more than "
         f"{N_SIGMA:g} expected errors off",
         _table(names, [_shares(row) for row in found]),
-        "median (95 % confidence interval) and 95th percentile of motions and of the worst joint's error; rms errors; "
+        "median (95 % confidence interval) and 95th percentile of steps and of the worst joint's error; rms errors; "
         "expected: of claims, by the learner; travel and CPU: median of a run",
         _table(names, [_figures(row) for row in found]),
     ]
@@ -55,11 +55,11 @@ def _shares(row: Summary) -> dict[str, object]:
 def _figures(row: Summary) -> dict[str, object]:
     degrees = lambda value: None if value is None else f"{value:.2f}°"
     return {
-        "motions": row.motions.text(0),
-        "95 % ": row.motions_95.text(0),
+        "steps": row.motions.text(0),
+        "95 % of steps": row.motions_95.text(0),
         "most": row.motions_most,
         "error": row.error_deg.text(2, "°"),
-        "95 %": row.error_95_deg.text(2, "°"),
+        "95 % of errors": row.error_95_deg.text(2, "°"),
         "rms": degrees(row.rms_deg),
         "of claims": degrees(row.claims_rms_deg),
         "expected": degrees(row.expected_deg),
@@ -73,7 +73,7 @@ def _differences(row: Summary) -> dict[str, object]:
     return {
         f"≤{NEAR_DEG:g}°, more": less and less.near.percentage_points,
         "error less": less and less.error_deg.text(1, "°"),
-        "motions less": less and less.motions.text(0),
+        "steps less": less and less.motions.text(0),
     }
 
 

@@ -116,13 +116,8 @@ def verdict(claims: Sequence[Claim]) -> str:
     if not judged:
         return ""
     held = sum(claim.holds is True for claim in judged)
-    if not missed:
-        text = plural("{n} of {all} holds", "{n} of {all} hold", held)
-    elif len(missed) == 1:
-        text = plural("{n} of {all} holds; {missed} does not", "{n} of {all} hold; {missed} does not", held)
-    else:
-        text = plural("{n} of {all} holds; {missed} do not", "{n} of {all} hold; {missed} do not", held)
-    return text.format(n=held, all=len(judged), missed=listed(missed))
+    text = f"{held} of {len(judged)} {plural('holds', 'hold', held)}"
+    return f"{text}; {listed(missed)} {plural('does', 'do', len(missed))} not" if missed else text
 
 
 def in_degrees(theta_deg: Iterable[float]) -> str:

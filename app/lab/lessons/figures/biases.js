@@ -1,14 +1,10 @@
-/**
- * How far the smallest E is from the demonstrator, over the distance of the eyes: a curve for each transfer, both
+/** How far the smallest E is from the demonstrator, over the distance of the eyes: a curve for each transfer, both
  * scales logarithmic, with the present distance and what the visitor said.
- *
- * @typedef {import("../stage.js").Stage} Stage
- * @typedef {import("../stage.js").FigureKind} FigureKind
- */
+ * @import {Stage, FigureKind} from "../stage.js" */
 import {fixed, px} from "../../view/svg.js";
 import {stageSmallest} from "../maps.js";
 import {short} from "../measured.js";
-import {farthest} from "./bowl.js";
+import {farthest} from "../../engine/engine.js";
 import {
   axis, circles, crossHair, dots, Drawing, legend, legendHeight, path, polyline, sketched, text, widthOf,
 } from "./drawing.js";
@@ -87,12 +83,8 @@ function drawn({width, height}, stage, layers) {
   return svg + names.html;
 }
 
-/**
- * Names at the ends of curves, which do not overlap.
- *
- * @param {{name: string, at: number, words: string}[]} ends
- * @param {number} right
- */
+/** Names at the ends of curves, which do not overlap.
+ * @param {{name: string, at: number, words: string}[]} ends @param {number} right */
 function besideCurves(ends, right) {
   let above = Infinity;
   return ends.sort((a, b) => b.at - a.at).map(({name, at, words}) => {

@@ -1,12 +1,8 @@
-/**
- * Where E was smallest under noise, time for time: clouds of postures about the demonstrator's, over lines of equal E.
- *
- * @typedef {import("../stage.js").Stage} Stage
- * @typedef {import("../stage.js").FigureKind} FigureKind
+/** Where E was smallest under noise, time for time: clouds of postures about the demonstrator's, over lines of equal E.
+ * @import {Stage, FigureKind} from "../stage.js"
  * @typedef {{world: Altered | null, key: string, lines: string}} Rings that were drawn last
- * @typedef {ReturnType<typeof scales>} Scales
- */
-import {Landscape} from "../../engine/engine.js";
+ * @typedef {ReturnType<typeof scales>} Scales */
+import {DEGREE, Landscape} from "../../engine/engine.js";
 import {contour} from "../../view/map.js";
 import {fixed, px} from "../../view/svg.js";
 import {Altered, smallest} from "../maps.js";
@@ -14,7 +10,7 @@ import {axis, circles, crosses, diamonds, dots, Drawing, legend, legendHeight, p
   within} from "./drawing.js";
 import {Names} from "./names.js";
 
-const DEGREE = Math.PI / 180, ROOM = 1.06; // of the posture that is farthest
+const ROOM = 1.06; // of the posture that is farthest
 const LEFT = 52, TOP = 26, RIGHT = 12, FOOT = 44; // units
 const STEPS = 60, RINGS = 7; // of the map within the drawing; lines of equal E
 const TITLES = {one: "one picture each time", averaged: "25 pictures averaged each time"};
@@ -112,13 +108,8 @@ function drawn(drawing, stage, layers, known) {
 const undisturbed = ({world, session, moment}) =>
   [world, session.settings.transfer, world.look("demonstrator", moment.thetaDemo)];
 
-/**
- * Lines of equal E, undisturbed: near its smallest they are ellipses, equally far from each other.
- *
- * @param {Stage} stage
- * @param {Scales} to
- * @param {Rings} known
- */
+/** Lines of equal E, undisturbed: near its smallest they are ellipses, equally far from each other.
+ * @param {Stage} stage @param {Scales} to @param {Rings} known */
 function rings(stage, {low, high, right, bottom}, known) {
   const [world, transfer, demo] = undisturbed(stage), key = [transfer, ...low, ...high, right, bottom].join();
   if (known.world?.of === world && known.key === key) return known.lines;
@@ -153,15 +144,9 @@ function ticks({low, high, x, y, right, bottom}, joints) {
   return [...along, ...up].join("") + named;
 }
 
-/**
- * A bracket at the right and one below: a standard deviation to both sides of the middle.
- *
- * @param {number[][]} cloud
- * @param {string} name
- * @param {number} row of the clouds shown
- * @param {Scales} to
- * @param {Names} names
- */
+/** A bracket at the right and one below: a standard deviation to both sides of the middle.
+ * @param {number[][]} cloud @param {string} name @param {number} row of the clouds shown @param {Scales} to
+ * @param {Names} names */
 function spread(cloud, name, row, {x, y, right, bottom}, names) {
   const {mean, off} = meanAndStd(cloud), across = right - 18 - 92 * row, down = bottom - 18 - 24 * row;
   const low = y(mean[0] - off[0]), high = y(mean[0] + off[0]), first = x(mean[1] - off[1]), last = x(mean[1] + off[1]);

@@ -1,17 +1,13 @@
-/**
- * Maps of E with all matches, with few of them, and with all of them nearly in a plane; and which points are matched.
- *
- * @typedef {import("../stage.js").Stage} Stage
- * @typedef {import("../stage.js").FigureKind} FigureKind
- * @typedef {import("../../engine/landscape.js").Landscape} Landscape
- * @typedef {import("../../engine/world.js").World} World
- */
+/** Maps of E with all matches, with few of them, and with all of them nearly in a plane; and which points are matched.
+ * @import {Stage, FigureKind} from "../stage.js" @import {Landscape} from "../../engine/landscape.js"
+ * @import {World} from "../../engine/world.js" */
 import {centred} from "../../engine/affine.js";
 import {dot, symmetricEigen} from "../../engine/algebra.js";
 import {projectPoint, select} from "../../engine/engine.js";
 import {Altered, mapOf, medianCondition} from "../maps.js";
 import {diamonds, Drawing, fitted, path, polyline, rectangle} from "./drawing.js";
-import {MapPanel, part} from "./panels.js";
+import {make} from "../dom.js";
+import {MapPanel} from "./panels.js";
 
 const FEWEST = 4, STEP_DEG = 1.5;
 const LEFT_OF_DEPTH = .1; // of the points' distances from the plane: exactly in it, rounding would shape the map
@@ -62,9 +58,10 @@ function relief(map) {
 
 /** The demonstrator's points in l: those that are matched are filled. @param {HTMLElement} within */
 function pointsPanel(within) {
-  const box = part(within, "lesson-panel"), head = part(box, "lesson-panel-head");
-  head.innerHTML = "<b>What is matched, in l</b><span></span>";
-  const note = /** @type {HTMLElement} */ (head.lastElementChild), drawing = new Drawing(part(box, "lesson-plain"), "");
+  const note = make("span"), box = make("div", {class: "lesson-plain"});
+  within.append(make("div", {class: "lesson-panel"},
+    make("div", {class: "lesson-panel-head"}, make("b", {}, "What is matched, in l"), note), box));
+  const drawing = new Drawing(box, "");
   return {
     resize: () => drawing.measure(),
     /** @param {Stage} stage @param {number} count */
@@ -91,16 +88,11 @@ const total = stage => bestOrder(stage).length;
 /** How many matches are used: few before the answer, then as the slider says. @param {Stage} stage */
 const matchesShown = stage => stage.isRevealed ? Math.round(stage.sliders.get("matches") ?? FEWEST) : FEWEST;
 
-/** @type {WeakMap<World, number[]>} */
-const orders = new WeakMap();
+const orders = /** @type {WeakMap<World, number[]>} */ (new WeakMap());
 
-/**
- * The points as they are added: the four whose shape is the least flat, by the third singular value, then one after the
- * other the one that makes it least flat.
- *
- * @param {Stage} stage
- * @returns {number[]}
- */
+/** The points as they are added: the four whose shape is the least flat, by the third singular value, then one after
+ * the other the one that makes it least flat.
+ * @param {Stage} stage @returns {number[]} */
 export function bestOrder({world, moment: {views, usable}}) {
   const known = orders.get(world);
   if (known) return known;
@@ -124,8 +116,7 @@ function subsets(of, count) {
   return of.flatMap((first, k) => subsets(of.slice(k + 1), count - 1).map(rest => [first, ...rest]));
 }
 
-/** @type {WeakMap<World, Map<string, Altered>>} */
-const worlds = new WeakMap();
+const worlds = /** @type {WeakMap<World, Map<string, Altered>>} */ (new WeakMap());
 
 /** @param {World} world @param {string} name @param {() => World["body"]} body */
 function worldWith(world, name, body) {
@@ -153,12 +144,8 @@ function planeMap(stage) {
   return mapOf(world, TRANSFER, world.look("demonstrator", stage.moment.thetaDemo), STEP_DEG);
 }
 
-/**
- * The points, moved on their links towards the plane through their middle in which the arm moves.
- *
- * @param {Stage} stage
- * @returns {World["body"]}
- */
+/** The points, moved on their links towards the plane through their middle in which the arm moves.
+ * @param {Stage} stage @returns {World["body"]} */
 function pressed({world, moment}) {
   const arm = world.arms.demonstrator, theta = moment.thetaDemo, frames = arm.frames(theta), normal = [0, 0, 0];
   arm.joints.forEach(({axis}, k) => {

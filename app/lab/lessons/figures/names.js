@@ -1,11 +1,7 @@
-/**
- * Names in a drawing that cover neither each other nor what has to be seen.
- *
- * @typedef {import("./plane.js").Box} Box in drawing units
- */
-import {px} from "../../view/svg.js";
-import {escaped, widthOf} from "./drawing.js";
-import {clipped} from "./plane.js";
+/** Names in a drawing that cover neither each other nor what has to be seen.
+ * @typedef {Rectangle} Box in drawing units @import {Rectangle} from "./drawing.js" */
+import {escaped, px} from "../../view/svg.js";
+import {clipped, widthOf} from "./drawing.js";
 
 const SIDES = [[1, -1], [1, 1], [-1, -1], [-1, 1], [0, -1], [0, 1], [1, 0], [-1, 0]]; // of a place, for its name
 const MAX_RINGS = 8, RING = 14; // how far a name goes from its place, drawing units
@@ -48,15 +44,10 @@ export class Names {
     return box[0] >= left && box[1] >= top && box[2] <= right && box[3] <= bottom && !this.#covered(box);
   }
 
-  /**
-   * A name near a place, where most room is left, with a line to it where it is far.
-   *
-   * @param {string} words
-   * @param {ArrayLike<number>} at drawing units
-   * @param {string} kind classes of the text
-   * @param {{size?: number, away?: number, clear?: number, first?: number[], lead?: string}} [options] away: from the
-   *   place; clear: radius of its mark; first: side that is tried first; lead: class of the line
-   */
+  /** A name near a place, where most room is left, with a line to it where it is far.
+   * @param {string} words @param {ArrayLike<number>} at drawing units @param {string} kind classes of the text
+   * @param {{size?: number, away?: number, clear?: number, first?: number[], lead?: string}} [options] away: from
+   * the place; clear: radius of its mark; first: side that is tried first; lead: class of the line */
   put(words, at, kind, {size = 13, away = 12, clear = away, first, lead = "vi-lead"} = {}) {
     const wide = widthOf(words, true, size) + 2, high = size * 1.15, {bounds} = this;
     const sides = first ? [first, ...SIDES] : SIDES;

@@ -6,11 +6,10 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import BadInput
-from .options import DONE, add_chain_options, choose_bodies, naming
+from viewimit.options import DONE, BadInput, add_chain_options, choose_bodies, naming
 
 if TYPE_CHECKING:
-    from ..app.ways import Ways
+    from ..ways import Ways
 
 MB = 1_000_000
 
@@ -51,8 +50,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _lessons(args: argparse.Namespace) -> str:
-    from ..app.lab.lessons.page import lesson_page
-    from ..app.lab.lessons.source import find
+    from ..lab.lessons.page import lesson_page
+    from ..lab.lessons.source import find
 
     if args.scene is not None or args.robot is not None:
         raise BadInput("--lesson: a lesson says itself which scene and robot it shows; leave --scene and --robot out")
@@ -61,8 +60,9 @@ def _lessons(args: argparse.Namespace) -> str:
 
 
 def _lab(args: argparse.Namespace) -> str:
-    from ..app.lab.page import SHIPPED, lab_page
-    from ..simulation.scene import load_scene
+    from viewimit.simulation.scene import load_scene
+
+    from ..lab.page import SHIPPED, lab_page
 
     with naming(choose_bodies(args)):
         own = args.scene is not None or args.robot is not None
@@ -72,6 +72,6 @@ def _lab(args: argparse.Namespace) -> str:
 
 def _ways(args: argparse.Namespace) -> "Ways":
     """Where the page's header leads: nowhere without a site."""
-    from ..app.ways import Ways
+    from ..ways import Ways
 
     return Ways() if args.site is None else Ways.of_site(args.site.rstrip("/") + "/")

@@ -8,15 +8,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.evaluation import Evaluation, Frame
-from ..analysis.leave_one_out import JUDGE, MAX_RATIO, LeaveOneOut
-from ..drawing.export import figures
-from ..drawing.images.tracked import draw_view, draw_views
-from ..estimation.outliers import Outlier
-from ..estimation.views import VIEW_NAMES
-from ..geometry.affine import MIN_POINTS
-from ..sensing.files import MAX_NAME_CHARS, escape
-from .options import naming_words, posture
+from ...analysis.evaluation import Evaluation, Frame
+from ...analysis.leave_one_out import JUDGE, MAX_RATIO, LeaveOneOut
+from ...analysis.results import naming_words, posture
+from ...analysis.timing import TimeShift
+from ...estimation.outliers import Outlier
+from ...estimation.views import VIEW_NAMES
+from ...geometry.affine import MIN_POINTS
+from ...sensing.files import MAX_NAME_CHARS, escape
+from ..images.tracked import draw_view, draw_views
+from . import figures
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,6 @@ class Report:
     found: Evaluation
     of_body: dict
     removed: dict[str, int]
-    time_shift: dict | None
 
     @property
     def first(self) -> Frame | None:
@@ -112,7 +112,7 @@ def as_json(report: Report) -> dict:
         "points": found.points,
         **report.of_body,
         "removed_by_confidence": report.removed,
-        "time_shift": report.time_shift,
+        "time_shift": _shift_json(found.time_shift, [frame.number for frame in found.frames]),
         "leave_one_out": _left_out_json(found.left_out),
         "suspects": [_suspect_json(one, found) for one in found.outliers.found],
         "undecided": found.outliers.undecided,
@@ -235,3 +235,26 @@ def report_lines(report: Report) -> Iterator[str]:
 
 def _without_unit(angles: Sequence[float]) -> str:
     return f"({', '.join(f'{angle:.4g}' for angle in angles)}) in the unit of --postures"
+
+
+def _shift_json(shift: TimeShift | None, frames: Sequence[int]) -> dict | None:
+    if shift is None:
+        return None
+    parts = [{"from_frame": frames[first], "frames": late} for first, late in shift.parts]
+    return {"parts": parts, "rms_px": shift.rms_px, "shifted_px": shift.shifted_px}
+
+
+def shift_words(shift: TimeShift | None, frames: Sequence[int]) -> Iterator[str]:
+    """Yield a line: the cameras are not in time, and the shift that mends that."""
+    if shift is None:
+        return
+    by = [
+        f"{abs(late):.1f} frames {'later' if late > 0 else 'earlier'}"
+        + (f" from frame {frames[first]} on" if len(shift.parts) > 1 else "")
+        for first, late in shift.parts
+    ]
+    yield (
+        "left and right contradict each other the more the faster the points move: the cameras are not in time. Pair "
+        f"each left frame with the right one {', '.join(by)}: the rms misfit falls from "
+        f"{shift.rms_px:.2g} to {shift.shifted_px:.2g} px"
+    )

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from .options import ARM, DONE, SCENE, SIGHT, add_settings, between, naming, settings_from
+from viewimit.options import ARM, DONE, SCENE, SIGHT, add_settings, between, naming, settings_from
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -43,9 +43,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     settings = settings_from(args)
     # the one place below the page that knows it
-    from ..app.lab.lessons.source import own
-    from ..app.server.address import require_origin
-    from ..app.server.serve import ServerOptions, serve, usual_per_address
+    from ..lab.lessons.source import own
+    from ..server.address import require_origin
+    from ..server.serve import ServerOptions, serve, usual_per_address
 
     with naming("--origin"):
         for origin in args.origin:

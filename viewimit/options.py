@@ -11,19 +11,18 @@ from typing import TYPE_CHECKING, Any, get_type_hints
 import msgspec
 import numpy as np
 
-from ..estimation.transfers.registry import PROJECTIVE_MIN_POINTS
-from ..estimation.views import VIEW_NAMES
-from ..geometry.distortion import RadialDistortion
-from ..loop.embodiment import require_in_workspace, workspace
-from ..loop.settings import FIELDS, OWN, USUAL_POINTS, Setting, Settings, disturbances, option
-from ..sensing.files import MAX_NAME_CHARS, escape
-from ..servo import Misfit, Naming
-from ..simulation.arms import require_arm
-from ..simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
-from ..simulation.eyes import require_eyes
-from ..simulation.robot import robot_names
-from ..simulation.scene import RobotFileMissing, Scene, load_robot, load_scene, scene_for_urdf, scene_names
-from ..simulation.urdf.reference import (
+from .estimation.transfers.registry import PROJECTIVE_MIN_POINTS
+from .estimation.views import VIEW_NAMES
+from .geometry.distortion import RadialDistortion
+from .loop.embodiment import require_in_workspace, workspace
+from .loop.settings import FIELDS, OWN, USUAL_POINTS, Setting, Settings, disturbances, option
+from .sensing.files import MAX_NAME_CHARS, escape
+from .simulation.arms import require_arm
+from .simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
+from .simulation.eyes import require_eyes
+from .simulation.robot import robot_names
+from .simulation.scene import RobotFileMissing, Scene, load_robot, load_scene, scene_for_urdf, scene_names
+from .simulation.urdf.reference import (
     PARTS,
     description_path,
     is_description,
@@ -31,10 +30,14 @@ from ..simulation.urdf.reference import (
     parse_reference,
     require_urdf,
 )
-from . import BadInput
 
 if TYPE_CHECKING:
-    from ..simulation.autoscene.scene import AutoScene  # it loads trimesh
+    from .simulation.autoscene.scene import AutoScene  # it loads trimesh
+
+
+class BadInput(Exception):
+    """What the user gave cannot be; the message names the option, the file or the line."""
+
 
 DONE, MISSED = 0, 1
 PAPER = Settings.paper()
@@ -145,60 +148,6 @@ def add_unmatched_option(parser: argparse.ArgumentParser) -> None:
         default=None,
         help="the demonstrator's points come in an unknown order; find out which is which",
     )
-
-
-def naming_json(naming: Naming | None) -> dict | None:
-    """What was found about the names of the demonstrator's points, as JSON; None if they were never searched for."""
-    if naming is None:
-        return None
-    return {
-        "accepted": naming.accepted,
-        "names": naming.names if naming.accepted else None,
-        "probability": naming.probability,
-        "certain": naming.certain,
-        "without_partner": {"learner": np.flatnonzero(naming.names < 0), "demonstrator": naming.unnamed},
-        "two_answers": naming.is_ambiguous,
-        "E": naming.E,
-        "E_noise": naming.E_noise,
-    }
-
-
-def misfit_json(misfit: Misfit | None, joints: Sequence[int], names: Sequence[str] = ()) -> dict | None:
-    """Why a demonstrator is no body like the learner's, as JSON. joints: their numbers; names: of points."""
-    if misfit is None:
-        return None
-    links = [
-        {"joints": [joints[joint] for joint in link.joints], "change": link.change, "std": link.std}
-        for link in misfit.links
-    ]
-    points = [names[point] for point in misfit.points] if names else misfit.points
-    said = {"kind": misfit.kind, "points": points, "links": links, "amount": misfit.amount}
-    if misfit.limits:
-        said["limits"] = [
-            {"joint": joints[one.joint], "beyond_deg": np.degrees(one.beyond), "std_deg": np.degrees(one.std)}
-            for one in misfit.limits
-        ]
-    return said | {"text": misfit.describe(joints, names)}
-
-
-def naming_words(naming: dict) -> str:
-    """Say a naming, as of `naming_json`, in a line. Its lists may also be dictionaries by name."""
-    if not naming["accepted"]:
-        return "not found: no naming of the demonstrator's points explains its images"
-    by_name = lambda values: values if isinstance(values, dict) else dict(enumerate(values))
-    certain, probability = by_name(naming["certain"]), by_name(naming["probability"])
-    without, extra = naming["without_partner"]["learner"], naming["without_partner"]["demonstrator"]
-    named = [name for name in certain if name not in without]
-    said = [f"{len(named)} points named"]
-    if doubtful := [f"{name} ({probability[name]:.0%})" for name in named if not certain[name]]:
-        said.append(f"uncertain {', '.join(doubtful)}")
-    if len(without):
-        said.append(f"no partner for {', '.join(map(str, without))}")
-    if len(extra):
-        said.append(f"none for {', '.join(map(str, extra))} of the demonstrator")
-    if naming["two_answers"]:
-        said.append("two answers: other names explain the images as well, in another posture")
-    return "; ".join(said)
 
 
 def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Settings:
@@ -372,16 +321,6 @@ def ranges(text: str) -> tuple[tuple[float, float], ...]:
     except ValueError:
         raise argparse.ArgumentTypeError(f"needs ranges in degrees such as -30:60,-90:0, got {text!r}") from None
     return found
-
-
-def posture(theta_deg: Iterable[float]) -> str:
-    """A posture to a thousandth of a degree: smaller digits differ between machines."""
-    return f"({', '.join(figure(round(angle, 3) + 0.0, '.4g', '°') for angle in theta_deg)})"
-
-
-def figure(value: float, form: str, unit: str = "") -> str:
-    """A number in words; a dash for NaN."""
-    return "–" if np.isnan(value) else f"{value:{form}}{unit}"
 
 
 HINTS = get_type_hints(Settings)

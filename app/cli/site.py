@@ -6,9 +6,9 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
-from . import BadInput
+from viewimit.options import DONE, BadInput, naming
+
 from .docs import how_to_build, sources
-from .options import DONE, naming
 
 LESSONS, DOCUMENTATION = "learn", "docs"  # folders of the site, beside the lab, which is its first page
 UNTOUCHED = ".nojekyll"  # GitHub Pages then leaves names with underscores as they are
@@ -36,10 +36,10 @@ def run(args: argparse.Namespace) -> int:
 
 def write_pages(folder: Path) -> None:
     """Write the lab and the page of all lessons. Raises OSError."""
-    from ..app.lab.lessons.page import lesson_page
-    from ..app.lab.lessons.source import shipped
-    from ..app.lab.page import lab_page
-    from ..app.ways import Ways
+    from ..lab.lessons.page import lesson_page
+    from ..lab.lessons.source import shipped
+    from ..lab.page import lab_page
+    from ..ways import Ways
 
     (folder / LESSONS).mkdir(parents=True, exist_ok=True)
     (folder / UNTOUCHED).touch()

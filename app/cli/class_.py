@@ -1,11 +1,8 @@
 """viewimit class: lessons for a class, which a lecturer leads."""
 
 import argparse
-import contextlib
-import io
 import logging
 import os
-import re
 import secrets
 import sys
 import time
@@ -14,16 +11,14 @@ from urllib.parse import urlsplit
 
 import platformdirs
 
-from ..sensing.files import escape
-from . import BadInput
-from .options import DONE, MISSED, between, naming
+from viewimit.options import DONE, MISSED, BadInput, between, naming
+from viewimit.sensing.files import escape
 
 CODE = "VIEWIMIT_LECTURER"  # environment variable: the lecturer's code, instead of a random one
 LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"  # without those that look alike
 LETTERS_OF_A_CODE = 8
 MIN_CODE = 8  # letters of a code of one's own
 CONTINUED_S = 6 * 3600  # a file without a name of its own is continued if its class was so long ago at most
-ROOT_PATH = re.compile(r"(/[\w.~-]+)+")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -64,9 +59,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "origin",
     )
     parser.add_argument(
-        "--root-path", default="", metavar="/x", help="path under which a proxy passes requests on; with it or without"
-    )
-    parser.add_argument(
         "--trust-proxy",
         default="",
         metavar="ADDRESS",
@@ -75,24 +67,21 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from ..app.classroom.answers import asks_of
-    from ..app.classroom.pages import class_pages, lessons_of
-    from ..app.classroom.room import Room
-    from ..app.classroom.server import ServerOptions, class_app, uvicorn_server
-    from ..app.classroom.store import Store
-    from ..app.server.address import listen, require_free, require_origin
+    from ..classroom.answers import asks_of
+    from ..classroom.pages import class_pages, lessons_of
+    from ..classroom.room import Room
+    from ..classroom.server import ServerOptions, class_app, uvicorn_server
+    from ..classroom.store import Store
+    from ..server.address import listen, require_free, require_origin
 
     with naming("--embed"):
         for origin in args.embed:
             require_origin(origin)
-    root = args.root_path.rstrip("/")
-    if root and not ROOT_PATH.fullmatch(root):
-        raise BadInput(f"--root-path: {args.root_path!r} is no path such as /x")
     with naming("--address"):
         origins = () if args.address is None else (_origin(args.address),)
         for origin in origins:
             require_origin(origin)
-    options = ServerOptions(root, tuple(args.embed), origins, args.trust_proxy)
+    options = ServerOptions(tuple(args.embed), origins, args.trust_proxy)
     with naming("--lesson"):
         lessons = lessons_of(args.lesson)
     pages = class_pages(lessons, options.embed)
@@ -141,23 +130,16 @@ def _usual_file(port: int) -> Path:
 
 def _invite(args: argparse.Namespace, port: int) -> str:
     """Print and return what students open, with a QR code where others can reach it."""
-    from ..app.server.address import address, address_for_others
+    from ..server.address import address, address_for_others, print_qr
 
-    root = f"{args.root_path.rstrip('/')}/"
     others = args.address or address_for_others(args.host, port)
-    print(f"the class is at {address(args.host, port)}{root}")
+    print(f"the class is at {address(args.host, port)}/")
     if others is None:
         print("only this machine reaches it; --host 0.0.0.0 admits everybody on its network")
         return ""
-    others = others if args.address else f"{others}{root}"
+    others = others if args.address else f"{others}/"
     print(f"students open {others}")
-    drawn = io.StringIO()
-    import segno  # which --help does not need
-
-    segno.make(others, micro=False).terminal(drawn, compact=True)
-    with contextlib.suppress(UnicodeEncodeError):  # a terminal without block characters has the address
-        drawn.getvalue().encode(sys.stdout.encoding or "utf-8")
-        print(drawn.getvalue())
+    print_qr(others)
     return others
 
 

@@ -4,8 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from . import BadInput
-from .options import DONE, naming
+from viewimit.options import DONE, BadInput, naming
 
 SUFFIXES = {"gift": (".gift", ".txt"), "qti": (".zip",)}
 
@@ -23,7 +22,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from ..app.lab.lessons.exam import exam_items, gift, qti_package
+    from ..lab.lessons.exam import exam_items, gift, qti_package
 
     suffixes = SUFFIXES[args.format]
     out = args.out or Path(f"viewimit-items{suffixes[0]}")

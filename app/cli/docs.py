@@ -6,8 +6,7 @@ import sys
 import webbrowser
 from pathlib import Path
 
-from . import BadInput
-from .options import DONE
+from viewimit.options import DONE, BadInput
 
 CLONE = Path(__file__).parents[2]
 SITE = CLONE / "build" / "site"  # where `viewimit docs` looks for what `viewimit site` wrote

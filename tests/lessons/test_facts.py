@@ -56,12 +56,12 @@ def test_a_claim_s_probability_is_the_share_of_normal_errors_within_a_degree():
 
 def test_a_run_has_the_E_of_its_postures():
     one = situation()
-    made = records.run_record(records.run(one, "trust-region"))
+    made = records.run_record(records.run(one, "likelihood"))
     start = one.start
     E = conflict_at(one.world, start.fit, start.views.demo, start.views.visible[:, :2], np.array(made["postures"]).T)[0]
     assert made["E"] == pytest.approx(E, rel=2e-3, abs=2e-3)  # postures have 6 digits, E has 4
     assert made["probes"].count(True) == 2 and not made["probes"][0]
-    assert records.motions_to(records.run(one, "trust-region"), 3.0) == np.flatnonzero(E < 3)[0]
+    assert records.motions_to(records.run(one, "likelihood"), 3.0) == np.flatnonzero(E < 3)[0]
 
 
 def test_the_smallest_E_is_lower_than_all_around():
@@ -145,7 +145,7 @@ def test_the_learner_finds_the_swapped_points():
     for i, j in pairs:
         order[[i, j]] = order[[j, i]]
     assert len(pairs) == 1 and np.array_equal(one.start.views.demo, clean.start.views.demo[order])
-    assert records.run(one, "trust-region").snapshot.exchanged == pairs
+    assert records.run(one, "likelihood").snapshot.exchanged == pairs
 
 
 def test_a_hand_that_copies_the_circle_draws_it():

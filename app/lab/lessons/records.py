@@ -73,7 +73,7 @@ def claim_record(session: Session) -> dict[str, Any]:
     return {
         "status": str(last.status if last.status.is_at_rest else ServoStatus.MAX_MOTIONS),
         "seen": int(last.usable.sum()),
-        "unobservable": [] if known is None else known.reportable_joints(last.status),
+        "unobservable": [] if known is None else known.unobservable_joints,
         "expectedOffDeg": None if known is None else plain(np.degrees(known.simultaneous_std_error)),
         "swapped": [list(pair) for pair in last.exchanged],
     }

@@ -55,7 +55,7 @@ def test_what_was_done_by_hand_is_said_line_by_line_and_much_of_it_as_data():
 
 
 BY_HAND = Settings(body_points=tuple(load_scene("panda").points["16"][2:14]))
-BOUND = Settings(max_step_deg=6.5, restarts=0, workspace_deg=((5, 80), (-120.5, -20)), start_deg=(25, -45))
+BOUND = Settings(max_step_deg=6.5, workspace_deg=((5, 80), (-120.5, -20)), start_deg=(25, -45))
 LOSSY = Settings.paper(points=16, missing=0.15, start_deg=(25.1, -45), transfer="linear", seed=3)
 
 

@@ -402,7 +402,7 @@ SPOILT = [
     {"outliers": 0.05},
     {"frames": 4},
     {"latency": 1},
-    {"matched": False, "servo": "trust-region"},
+    {"matched": False, "servo": "likelihood"},
     {"joints": (1, 2)},
 ]
 

@@ -35,7 +35,7 @@ SETTINGS = {  # each field, and another value of it, or all fields that change w
     "transfer": "linear",
     "servo": "gradient",
     "noise_px": 0.5,
-    "matched": {"servo": "trust-region", "matched": False},
+    "matched": {"servo": "likelihood", "matched": False},
     "missing": 0.1,
     "outliers": 0.1,
     "swapped": 0.1,
@@ -49,7 +49,6 @@ SETTINGS = {  # each field, and another value of it, or all fields that change w
     "sensor": None,  # camera images come from a process of their own: tests/page/test_page.py
     "dynamics": None,  # an arm with mass needs PyBullet
     "max_step_deg": 3.0,
-    "restarts": 2,
     "workspace_deg": ((10.0, 90.0), (-140.0, -20.0)),
 }
 VIEW = {

@@ -83,8 +83,9 @@ def _record(signed: SignedRun) -> dict[str, Any]:
 
 
 def method_text(settings: Settings) -> str:
-    """Which servo moved the arm, and which transfer gave E."""
-    return f"{SERVOS[settings.servo].title}; {TRANSFERS[settings.transfer].title}"
+    """Which servo moved the arm, and the transfer of one that goes to the least E."""
+    servo, transfer = SERVOS[settings.servo], TRANSFERS[settings.transfer]
+    return servo.title if servo.rigid else f"{servo.title}; {transfer.title}"
 
 
 def points_text(world: World, seen: int) -> str:

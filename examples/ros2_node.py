@@ -121,7 +121,7 @@ def main() -> None:
     rclpy.init()
     robot = Robot()
     step = robot.declare_parameter("max_step_deg", 10.0).value
-    session = Session.of(robot, robot, frames=5, max_step_deg=step, restarts=0)
+    session = Session.of(robot, robot, frames=5, max_step_deg=step)
     report = lambda now: robot.get_logger().info(f"motion {now.motion}: E {now.E:.3f} px², {now.usable.sum()} points")
     result = session.run(each=report)
     robot.get_logger().info(f"{result.status}: {result.message}")

@@ -28,7 +28,7 @@ SITUATIONS = {
     "corner": Settings.paper(demonstrator_deg=(85, -5), start_deg=(5, -175)),
     "beside": Settings.paper(demonstrator_deg=(30, -140), start_deg=(32, -138), transfer="linear"),
     "low": Settings.paper(demonstrator_deg=(70, -60), start_deg=(90, 0), transfer="projective", servo="likelihood"),
-    "searching": Settings.paper(servo="likelihood", start_deg=(25, -25)),
+    "looking": Settings.paper(servo="likelihood", start_deg=(25, -25), noise_px=0.5),
     "few": Settings.paper(points=5, start_deg=(25, -45)),
     "facing": Settings.paper(scene="panda-facing", start_deg=(25, -45)),
     "iiwa": Settings.paper(scene="iiwa", start_deg=(25, -25)),

@@ -154,6 +154,16 @@ def test_ten_runs_of_which_five_are_right():
         assert len(one["because"].split()) <= 25
 
 
+def test_a_claim_is_evidence_and_a_small_E_is_none():
+    noisy, hand, lines, five, _, one_picture, _, _, ten, _ = made = sign.runs_record()
+    claims = [one for one in made if one["claim"]["status"] == "converged"]
+    assert len(claims) == 3 and all(one["holds"] and one["certificate"] > 0.9 for one in claims)
+    assert sum(one["holds"] and one not in claims for one in made) == 2  # no claim, though right
+    assert max(hand["E"][-1], five["E"][-1]) < 1e-5 < 1 < noisy["E"][-1]  # wrong, wrong, right
+    assert five["E"][-1] < ten["E"][-1] and lines["E"][-1] < made[6]["E"][-1]  # as `because` says
+    assert one_picture["claim"]["expectedOffDeg"] > 1 > noisy["claim"]["expectedOffDeg"]
+
+
 def test_the_learner_s_certificate_bets_better_than_half_always():
     (step,) = (one for one in shipped()["sign"].step if one.id == "sign")
     made = step_data(shipped()["sign"], step)[1]["records"]["runs"]  # as they are in the package

@@ -9,6 +9,7 @@ from viewimit.app.model.choices import PRESETS, presets_from
 from viewimit.app.server.limits import ServerOptions
 
 from viewimit.analysis.self_assessment import Assessment, assess
+from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers.registry import BADLY_CONDITIONED
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -20,12 +21,13 @@ PATIENCE = 20
 
 @dataclass(frozen=True)
 class End:
-    """off_deg: (T,) largest joint error after each motion"""
+    """off_deg: (T,) largest joint error after each motion; E_there: px², in the demonstrator's posture"""
 
     last: Snapshot
     off_deg: np.ndarray
     known: Assessment | None
-    first_E: float = 0.0
+    first_E: float
+    E_there: float
 
     @property
     def off(self) -> float:
@@ -44,7 +46,7 @@ ENDS: dict[str, Callable[[End], bool]] = {
     ),
     "A transfer without lines": lambda end: end.off < 3 and end.known.at_local_minimum,
     "Seven joints": lambda end: end.off < 0.3 and end.known.std_per_px[5:].min() > 1.5 * end.known.std_per_px[:5].max(),
-    "Eyes turned inwards": lambda end: end.known.at_local_minimum and end.off > 5,
+    "Eyes turned inwards": lambda end: end.off > 5 and end.last.status == "settled" and end.last.E < end.E_there,
     "Eyes turned inwards, rectified": lambda end: end.off < 0.2 and end.last.rectification is not None,
     "Face to face": lambda end: end.off > 10 and end.last.E > 20,
     "Five points": lambda end: end.last.E < 0.5 and end.off > 10 and 0 in end.known.unobservable,
@@ -63,8 +65,11 @@ def test_a_lesson_comes_true(preset):
     assert preset.name in ENDS, "say there how a run ends that keeps what the preset's sentence promises"
     session = Session(preset.settings)
     last = session.run(MOTIONS, PATIENCE).last
+    first = session.history[0]
+    views = session.world.look(first.theta_demo, first.theta_demo)
+    there = float(conflict(first.fit(views).residual(views)))
     off = [np.degrees(np.abs(moment.theta - moment.theta_demo).max()) for moment in session.history]
-    assert ENDS[preset.name](End(last, np.array(off), assess(session), session.history[0].E)), (
+    assert ENDS[preset.name](End(last, np.array(off), assess(session), first.E, there)), (
         last.status,
         last.motion,
         off[-1],

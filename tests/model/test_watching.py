@@ -102,7 +102,7 @@ def test_the_button_is_what_can_be_done_now():
     page.tick(1.0)
     button = page.widget(WATCH)
     assert button.disabled and f"Only for {ABLE}." in page.shown
-    page.choose("Servo", "Trust region on images")
+    page.choose("Servo", "Likelihood of all images")
     page.tick(1.0)
     assert not button.disabled
     page.choose("Speed", "10 a second")

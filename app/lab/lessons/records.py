@@ -73,7 +73,7 @@ def claim_record(session: Session) -> dict[str, Any]:
     return {
         "status": str(last.status if last.status.is_at_rest else ServoStatus.MAX_MOTIONS),
         "seen": int(last.usable.sum()),
-        "unobservable": [] if known is None else known.reportable_joints(last.status),
+        "unobservable": [] if known is None else known.unobservable_joints,
         "expectedOffDeg": None if known is None else plain(np.degrees(known.simultaneous_std_error)),
         "swapped": [list(pair) for pair in last.exchanged],
     }
@@ -81,13 +81,11 @@ def claim_record(session: Session) -> dict[str, Any]:
 
 def run_record(session: Session) -> dict[str, Any]:
     """A run as the page has it: postures in rad, E in px², probes and how it ended."""
-    as_seen = [moment.E for moment in session.history if not moment.exchanged]
     return {
         "postures": plain([moment.theta for moment in session.history], 6),
         "E": plain([moment.E for moment in session.history]),
         "probes": [bool(moment.probe) for moment in session.history],
         "claim": claim_record(session),
-        "leastAsSeen": plain(np.nanmin(as_seen)),  # px², before points were swapped back
     }
 
 

@@ -8,16 +8,18 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
 from viewimit.sensing.files import parse_toml
+from viewimit.servo import SERVOS
 from viewimit.simulation.world import World
 
 from .records import CLAIM_DEG, claim_probability, claim_record, plain, run
 from .situation import Situation
 
-SERVO, MAX_MOTIONS = "likelihood", 60
+MAX_MOTIONS = 60
 
 
 class SignedRun(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -34,7 +36,7 @@ class SignedRun(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     @property
     def session(self) -> Session:
         """The run itself, made once."""
-        return run(self.situation, SERVO, MAX_MOTIONS)
+        return run(self.situation, self.settings.servo, MAX_MOTIONS)
 
 
 @cache
@@ -65,6 +67,7 @@ def _record(signed: SignedRun) -> dict[str, Any]:
         "postures": plain([moment.theta for moment in session.history], 6),
         "E": plain([moment.E for moment in session.history]),
         "probes": [bool(moment.probe) for moment in session.history],
+        "method": method_text(signed.settings),
         "points": points_text(world, int(seen.sum())),
         "noise": noise_text(signed.settings),
         "demonstrator": plain(last.theta_demo, 6),
@@ -77,6 +80,12 @@ def _record(signed: SignedRun) -> dict[str, Any]:
         "recovered": plain(last.recovered[seen].ravel(), 5),
         "because": signed.because,
     }
+
+
+def method_text(settings: Settings) -> str:
+    """Which servo moved the arm, and the transfer of one that goes to the least E."""
+    servo, transfer = SERVOS[settings.servo], TRANSFERS[settings.transfer]
+    return servo.title if servo.rigid else f"{servo.title}; {transfer.title}"
 
 
 def points_text(world: World, seen: int) -> str:
@@ -94,4 +103,5 @@ def points_text(world: World, seen: int) -> str:
 
 def noise_text(settings: Settings) -> str:
     """The noise of the image points, and how many images are averaged."""
-    return "none" if not settings.noise_px else f"{settings.noise_px:g} px, {settings.frames} pictures averaged"
+    averaged = "one picture at each pose" if settings.frames == 1 else f"{settings.frames} pictures averaged"
+    return f"{settings.noise_px:g} px, {averaged}" if settings.noise_px else "none"

@@ -7,6 +7,7 @@
  * @property {number[][]} postures rad
  * @property {number[]} E px²
  * @property {boolean[]} probes
+ * @property {string} method servo and transfer
  * @property {string} points how many are seen, and on which links
  * @property {string} noise
  * @property {number[]} offDeg of each joint at the end
@@ -140,7 +141,7 @@ function claimed(stage, layers) {
   const run = runOf(stage), names = stage.world.scene.names.map(name => name.split(" ")[0].toLowerCase());
   const rows = [
     ["E", `${words(run.E[run.E.length - 1])} px²`], ["Steps made", String(run.E.length - 1)],
-    ["Points seen", run.points], ["Noise in the pictures", run.noise],
+    ["Method", run.method], ["Points seen", run.points], ["Noise in the pictures", run.noise],
   ].map(([name, value]) => `<tr><th>${name}</th><td class="lesson-of-${name[0]}">${escaped(value)}</td></tr>`);
   const ended = ending(run.claim, run, names), table = `<p>${escaped(ended.says)}</p><table>${rows.join("")}</table>`;
   const known = card("plain", "How it ended, as the learner knows it", ended.label, table, ended.dot);

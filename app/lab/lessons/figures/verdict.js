@@ -25,16 +25,12 @@ function drawn(stage, layers) {
   return learner + (isTrueShown ? card("truth", "Only you can see", ...truth(stage, race, names)) : "");
 }
 
-/** What the learner found on its way. @param {Race & {leastAsSeen?: number}} race */
-function reasons({claim: {unobservable, swapped}, E, leastAsSeen}) {
+/** What the learner found on its way. @param {Race} race */
+function reasons({claim: {unobservable, swapped}, E}) {
   const last = E[E.length - 1], small = last < .001 ? "below 0.001 px²" : `${energyText(last)} px²`;
   return [
     ...unobservable.length ? [`E is ${small}, and it does not rise when that joint turns.`] : [],
-    ...swapped.length ? [
-      `It takes ${pairs(swapped)} to be swapped.`,
-      ...leastAsSeen === undefined ? [] : [`As seen, E never fell below ${energyText(leastAsSeen)} px².`],
-      `With them changed back, it is ${small}.`,
-    ] : [],
+    ...swapped.length ? [`It takes ${pairs(swapped)} to be swapped. With them changed back, E is ${small}.`] : [],
   ];
 }
 

@@ -4,7 +4,7 @@ There are two bounds for bodies that are alike. The demonstrator's points are H 
 
 Bound by E   H is any projective map of space, 16 unknowns. E leaves as many open: this is the bound of any method by E.
 Bound with one head   H is a similarity, 7 unknowns: one head sees both bodies, and they have one shape. It is smaller.
-    The final adjustment of the trust region knows this.
+    The likelihood servo knows this.
 
 Either the learner's own images are granted at every posture without noise. Or they are as noisy, and the learner knows
 its body from the postures visited only. Then these are unknown too: the points and joint axes, a factor for each

@@ -110,7 +110,7 @@ class Page:
         if world is not self._world:
             self._world, self._posed, self._is_new = world, None, True
             self._scene.build(world)
-        poses = self.model.poses(self._now)
+        poses = self.model.display.poses(self._now)
         posed = tuple(pose.tobytes() for pose in poses)
         if posed != self._posed and self._scene.arms is not None:
             self._posed = posed

@@ -174,7 +174,8 @@ class CommandLoop:
     def tick(self, now: float, budget: float) -> None:
         self._end_turn(now)
         if self.turns.busy:
-            self._apply_meanwhile(now)
+            if not self.turns.alone:  # what need not wait for the turn that goes on
+                self._apply_in_time(self._queue.take_order_independent(), now)
         else:
             self._take_turn(now, budget)
 
@@ -221,11 +222,6 @@ class CommandLoop:
         motions = self._model.motions
         if motions.recorder is not None or motions.shown is not None:
             motions.tick()
-
-    def _apply_meanwhile(self, now: float) -> None:
-        """What need not wait for the turn that goes on."""
-        if not self.turns.alone:
-            self._apply_in_time(self._queue.take_order_independent(), now)
 
     def _apply_in_time(self, commands: list[Queued], now: float, rest: list[Queued] | None = None) -> bool:
         """Apply commands in their order. Return whether all were; else the others wait for the next tick."""

@@ -36,8 +36,7 @@ export class Screen {
     this.world = new World(scene, POINTS);
     this.played = new Played();
     this.game = /** @type {Game | null} */ (null);
-    /** Brings the arm to the end of its glide. @type {(() => void) | null} */
-    this.stop = null;
+    this.stop = /** @type {(() => void) | null} */ (null); // brings the arm to the end of its glide
     this.isMoving = false;
     this.lost = 0; // games, one after the other
     const views = Object.fromEntries(VIEWS.map(view => [view, make("div")]));

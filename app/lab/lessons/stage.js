@@ -136,28 +136,20 @@ export class Stage {
     this.records = {...step.records, ...this.sample?.records};
     /** @type {Record<string, Variants>} */
     this.variants = {...step.variants, ...this.sample?.variants};
-    /** rad of both joints for each knob's full turn */
-    this.knobs = randomKnobs(this.seed);
+    this.knobs = randomKnobs(this.seed); // rad of both joints for each knob's full turn
     this.chosen = step.chosen ?? 0;
-    /** 0 before the answer, 1 after it; between, while the reveal is played. */
-    this.reveal = 0;
+    this.reveal = 0; // 0 before the answer, 1 after it; between, while the reveal is played
     this.answer = /** @type {Answer} */ ({});
-    /** @type {Mark | null} in the asking figure's unit */
-    this.mark = null;
+    this.mark = /** @type {Mark | null} */ (null); // in the asking figure's unit
     /** @type {Record<string, Measured> | null} measures that judge the answer, as they were when the truth was shown */
     this.graded = null;
     /** @type {"px" | "rad"} the asking figure's */
     this.unit = "px";
-    /** Whether what the learner cannot know is left out. */
-    this.truthHidden = false;
-    /** @type {Mark[]} of a class, in the asking figure's unit */
-    this.others = [];
-    /** @type {Round[]} predictions and what came of them */
-    this.rounds = [];
-    /** Which run of a bet is shown, from 0. */
-    this.run = 0;
-    /** @type {(number | null)[]} bets on the runs, % */
-    this.bets = [];
+    this.truthHidden = false; // whether what the learner cannot know is left out
+    this.others = /** @type {Mark[]} */ ([]); // of a class, in the asking figure's unit
+    this.rounds = /** @type {Round[]} */ ([]); // predictions and what came of them
+    this.run = 0; // which run of a bet is shown, from 0
+    this.bets = /** @type {(number | null)[]} */ ([]); // bets on the runs, %
     /** Called when something has changed that is drawn. */
     this.changed = () => {};
     this.raced = /** @type {Record<string, Race>} */ ({});
@@ -170,8 +162,7 @@ export class Stage {
     this.moment = this.session.now;
     /** @type {Motion[]} made by hand, the start first, and perhaps one that was shown */
     this.motions = [{theta: this.moment.theta, E: this.moment.E, probe: false}];
-    /** The earlier step's motions, with which this one goes on. */
-    this.carried = previous?.motions;
+    this.carried = previous?.motions; // the earlier step's motions, with which this one goes on
     if (previous) this.#goOn(previous);
     /** @type {Map<string, number>} where the sliders stand, in their own units */
     this.sliders = new Map((step.sliders ?? []).map(slider => [slider.name, this.#standing(slider)]));
@@ -180,13 +171,9 @@ export class Stage {
   }
 
   /** How many runs are bet on. */
-  get runs() {
-    return Math.min(this.step.ask.times ?? 1, this.records.runs?.length ?? 1);
-  }
+  get runs() { return Math.min(this.step.ask.times ?? 1, this.records.runs?.length ?? 1); }
 
-  get hulls() {
-    return this.page.hulls;
-  }
+  get hulls() { return this.page.hulls; }
 
   /** The races of the step, by servo. @returns {Record<string, Race>} */
   get races() {
@@ -203,9 +190,7 @@ export class Stage {
   }
 
   /** Whether the answer has been given, and the truth may be drawn. */
-  get isRevealed() {
-    return this.reveal > 0;
-  }
+  get isRevealed() { return this.reveal > 0; }
 
   /** See the arm in a posture: nothing is counted. @param {number[]} theta */
   observe(theta) {
@@ -230,9 +215,7 @@ export class Stage {
   }
 
   /** Whether the arm has come here without a hand. */
-  get isShown() {
-    return Boolean(this.motions[this.motions.length - 1].shown);
-  }
+  get isShown() { return Boolean(this.motions[this.motions.length - 1].shown); }
 
   /** Show the arm in a posture as the end of its way, which does not count. @param {number[]} theta */
   showAt(theta) {
@@ -256,19 +239,13 @@ export class Stage {
   }
 
   /** What would be seen in the demonstrator's posture. */
-  ghost() {
-    return this.session.observe(this.moment.thetaDemo);
-  }
+  ghost() { return this.session.observe(this.moment.thetaDemo); }
 
   /** The demonstrator's points in L and R as the lines put them: (4 N) px. @param {Moment} [moment] */
-  recovered(moment = this.moment) {
-    return recovered(moment);
-  }
+  recovered(moment = this.moment) { return recovered(moment); }
 
   /** The epipolar geometry; null with too few points. @param {Moment} [moment] */
-  geometry(moment = this.moment) {
-    return geometry(moment);
-  }
+  geometry(moment = this.moment) { return geometry(moment); }
 
   /** The epipolar line of the chosen point of l (0) or r (1) in L (0) or R (1); null if there is none.
    * @param {number} eye @param {number} [side] @param {Moment} [moment] */
@@ -281,9 +258,7 @@ export class Stage {
   }
 
   /** E over both joints, for the demonstrator as it is seen. @param {number} [stepDeg] */
-  landscape(stepDeg = 1) {
-    return stageMap(this, stepDeg).landscape;
-  }
+  landscape(stepDeg = 1) { return stageMap(this, stepDeg).landscape; }
 
   /** A servo's run from the step's start: recorded, or else computed here.
    * @param {string} servo @returns {Race | null} */
@@ -311,9 +286,7 @@ export class Stage {
   }
 
   /** How many motions of a race are shown. @param {number} all */
-  played(all) {
-    return Math.round(this.reveal * (all - 1));
-  }
+  played(all) { return Math.round(this.reveal * (all - 1)); }
 
   /** Turn a slider, by its name: `own 1`, `demo 2`, `guess 1` are joints in degrees, `knob 1` turns both joints by the
    * random matrix, `pose apart` goes from the demonstrator's posture (0) to the start (1). Names of `variants` move the

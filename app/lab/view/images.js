@@ -87,12 +87,9 @@ export class Images {
       const window = {x: 0, y: 0, scale: 0};
       return {view, k, svg, box: boxes[view], plane, frame, layers, window, width: 1, height: 1};
     });
-    /** px of a drawing's unit */
-    this.unit = 1;
-    /** Whether the windows have to fit at once. */
-    this.fresh = true;
-    /** What the windows of L and R hold instead of what they show. @type {Outline[][] | null} */
-    this.held = null;
+    this.unit = 1; // px of a drawing's unit
+    this.fresh = true; // whether the windows have to fit at once
+    this.held = /** @type {Outline[][] | null} */ (null); // what the windows of L and R hold instead of what they show
   }
 
   /** Let the windows of L and R hold these postures of the learner, and stay. @param {World} world @param {number[][]} postures rad */

@@ -49,16 +49,13 @@ export class EnergyMap {
     this.way = add(this.over, "g");
     this.levels = add(this.over, "g");
     this.moving = add(this.over, "g");
-    /** What each of them shows. @type {Map<SVGGElement, string>} */
-    this.written = new Map();
-    /** Places of the contours' numbers. @type {number[][]} */
-    this.numbers = [];
+    this.written = /** @type {Map<SVGGElement, string>} */ (new Map()); // what each of them shows
+    this.numbers = /** @type {number[][]} */ ([]); // places of the contours' numbers
     this.z = new Float64Array(0);
     /** The drawing below the marks: its grid, and the contours' levels, ln px².
      * @type {{rows: number, columns: number, levels: number[]}} */
     this.drawn = {rows: 0, columns: 0, levels: []};
-    /** px of a drawing's unit */
-    this.unit = 1;
+    this.unit = 1; // px of a drawing's unit
     this.width = 1;
     this.height = 1;
   }
@@ -82,9 +79,7 @@ export class EnergyMap {
   }
 
   /** The plot's left, top, right and bottom, px. @returns {[number, number, number, number]} */
-  get plot() {
-    return [PAD.left, PAD.top, this.width - PAD.right, this.height - PAD.bottom];
-  }
+  get plot() { return [PAD.left, PAD.top, this.width - PAD.right, this.height - PAD.bottom]; }
 
   /** The place under a pointer, in the drawing's units. @param {Pointer} pointer @param {DOMRect} [box] if it is known */
   under({clientX, clientY}, {left, top} = this.box.getBoundingClientRect()) {

@@ -18,55 +18,30 @@
  * @typedef {{name: string, label: string, low: number, high: number, start: number, step?: number, unit?: string |
  * null, logarithmic?: boolean}} Slider name: what it moves, see `Stage.slide`; unit: null for no number at all
  * @typedef {{text: string, because: string, right?: boolean, belief?: string | null}} Choice
- * @typedef {Object} Ask fields beside `kind` and `question` as its kind has them
- * @property {"choice" | "place" | "pose" | "number" | "do" | "predict" | "bet"} kind
- * @property {string} question
- * @property {Choice[]} [answers] choice
- * @property {string | null} [right] choice: the measure whose number says which answer is right, from 1
- * @property {string | null} [figure] place, predict
- * @property {string | null} [truth] place, pose, number, bet: a measure
- * @property {number} [near] place: px, on maps degrees; pose: degrees
- * @property {string | null} [line] place: a measure below which the mark is on the right way though far
- * @property {string} [close] reply
- * @property {string} [far] reply
- * @property {string | null} [on_line] reply
- * @property {string | null} [less] number: the reply to too little
- * @property {string} [unit] number
- * @property {number} [low] number
- * @property {number} [high] number
- * @property {number | null} [step] number
- * @property {boolean} [logarithmic] number
- * @property {number | null} [factor] number: within which a guess is close
- * @property {number | null} [within] number: by how much a guess may differ
- * @property {string | null} [measure] do, predict: what has to be reached
- * @property {number | null} [below]
- * @property {number | null} [above]
- * @property {boolean} [counted] do: each release of a slider is one motion
- * @property {number | null} [times] predict: rounds at most; bet: runs, one after the other
- * @property {{truth: string, near: number, because: string, belief?: string}[]} [elsewhere] place: other places,
- *   with a reply
- * @typedef {Object} Step
- * @property {string} id
- * @property {string} title
- * @property {string} text
- * @property {string} say
- * @property {string} [after]
- * @property {Ask} ask
- * @property {{measure: string, label: string, note?: string} | null} [headline]
- * @property {number | null} [chosen]
- * @property {FigureUse[]} [main]
- * @property {FigureUse[]} [side]
- * @property {Slider[]} [sliders]
- * @property {string[]} [race]
- * @property {number | null} [play] seconds that the animation of the reveal takes
- * @property {boolean} [meets] the reveal brings the learner to the demonstrator's posture
- * @property {string | null} [carry] the id of the step whose start and path go on here
- * @property {boolean} [randomise]
- * @property {State} state
- * @property {Record<string, Measured>} [facts] that the library has computed
- * @property {Record<string, any>} [records]
- * @property {Record<string, Variants>} [variants]
- * @property {Sample[] | null} [samples]
+ * @typedef {{kind: "choice" | "place" | "pose" | "number" | "do" | "predict" | "bet", question: string, close?: string,
+ * far?: string}} AskOfAll close, far: replies
+ * @typedef {{answers?: Choice[], right?: string | null}} AskChoice right: the measure whose number says which answer is
+ * right, from 1
+ * @typedef {{figure?: string | null, truth?: string | null, near?: number, line?: string | null, on_line?: string | null,
+ * elsewhere?: {truth: string, near: number, because: string, belief?: string}[]}} AskPlace of a pose, too, and truth of
+ * a number and of a bet; truth: a measure; near: px, degrees on maps and of poses; line: a measure below which the mark
+ * is on the right way though far, with the reply on_line; elsewhere: other places, with a reply
+ * @typedef {{unit?: string, low?: number, high?: number, step?: number | null, logarithmic?: boolean, less?: string | null,
+ * factor?: number | null, within?: number | null}} AskNumber less: the reply to too little; factor, within: by how much a
+ * guess may differ to be close
+ * @typedef {{measure?: string | null, below?: number | null, above?: number | null, counted?: boolean,
+ * times?: number | null}} AskGoal to do, or to predict; measure: what has to be reached; counted: each release of a
+ * slider is one motion; times: rounds of predictions at most, or runs that are bet on
+ * @typedef {AskOfAll & AskChoice & AskPlace & AskNumber & AskGoal} Ask
+ * @typedef {{id: string, title: string, text: string, say: string, after?: string, ask: Ask, chosen?: number | null,
+ * headline?: {measure: string, label: string, note?: string} | null}} StepWords
+ * @typedef {{main?: FigureUse[], side?: FigureUse[], sliders?: Slider[], race?: string[], play?: number | null,
+ * meets?: boolean, carry?: string | null, randomise?: boolean}} StepPlay play: seconds that the animation of the reveal
+ * takes; meets: the reveal brings the learner to the demonstrator's posture; carry: the id of the step whose start and
+ * path go on here
+ * @typedef {{state: State, facts?: Record<string, Measured>, records?: Record<string, any>,
+ * variants?: Record<string, Variants>, samples?: Sample[] | null}} StepData facts: that the library has computed
+ * @typedef {StepWords & StepPlay & StepData} Step
  * @typedef {{id: string, text: string, answers: {text: string, because: string, right?: boolean, belief?: string |
  * null}[], step?: string | null}} Question one of the eight; step: "lesson/step" that shows it
  * @typedef {{name: string, title: string, short: string, about: string, minutes: number, questions?: Question[] |

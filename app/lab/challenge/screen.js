@@ -8,7 +8,7 @@ import {stepsText} from "../view/words.js";
 import {Game, plainName} from "./game.js";
 import {between, Joints, play} from "./joints.js";
 import {Played} from "./played.js";
-import {levelButtons} from "./levels.js";
+import {levelButtons} from "./maker.js";
 import {daily, drawChallenge, fromLink, POINTS, toLink} from "./rules.js";
 
 /** @import {Challenge, Level} from "./rules.js" @import {Scene} from "../engine/world.js"

@@ -1,6 +1,6 @@
 /** The landscape of E: shading and contours on a canvas, marks over it as SVG. */
 import {clamp, DEGREE} from "../engine/engine.js";
-import {add, drawingUnit, escaped, px, set} from "./svg.js";
+import {add, diamonds, drawingUnit, escaped, px, set} from "./svg.js";
 
 /** @typedef {Pick<import("../engine/landscape.js").Landscape, "axes" | "count" | "E" | "minimum" | "posture">} Ground
  */
@@ -258,7 +258,7 @@ export class EnergyMap {
     const dot = isNear ? circle("vi-line-own vi-case", RING_PX) + circle("vi-line-own", RING_PX) : circle("vi-now", 7.5);
     const drawn = `<path class="vi-line-own vi-case" d="${way}"/><path class="vi-line-own" d="${way}"/>`;
     this.#write(this.way, `${still}${before}${drawn}${visited}`);
-    const html = `${goal ? `<path class="vi-seen" d="M${px(goal[0] - 6.5)} ${px(goal[1])}l6.5-6.5 6.5 6.5-6.5 6.5z"/>` : ""}${cross ? `<path class="vi-cross" d="M${px(cross[0] - 7)} ${px(cross[1])}h14m-7-7v14"/>` : ""}${dot}
+    const html = `${goal ? `<path class="vi-seen" d="${diamonds([goal], 6.5)}"/>` : ""}${cross ? `<path class="vi-cross" d="M${px(cross[0] - 7)} ${px(cross[1])}h14m-7-7v14"/>` : ""}${dot}
 ${goal ? name(goal, "vi-of-demo", "demonstrator") : ""}${goal && Math.hypot(x - goal[0], y - goal[1]) < 30 ? "" : name([x, y], "vi-of-own", "learner")}`;
     this.#write(this.moving, html);
   }

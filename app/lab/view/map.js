@@ -189,7 +189,7 @@ export class EnergyMap {
   #axes() {
     const {width, height, range: {lower, upper, joints}} = this, left = PAD.left, bottom = height - PAD.bottom;
     const room = [bottom - PAD.top, width - left - PAD.right];
-    const ticks = (/** @type {number} */ k) => nice(lower[k] / DEGREE, upper[k] / DEGREE, room[k] / TICK_PX).map(degrees => {
+    const ticks = (/** @type {number} */ k) => nice(lower[k], upper[k], Math.min(5, room[k] / TICK_PX)).map(degrees => {
       const [a, b] = this.place(k ? [lower[0], degrees * DEGREE] : [degrees * DEGREE, lower[1]]), text = `${String(degrees).replace("-", "−")}°`;
       const [kind, x] = a > width - 20 ? ["vi-end", width] : ["vi-mid", a]; // the last number stays within the drawing
       return k ? `<path class="vi-axis" d="M${px(a)} ${bottom}v4"/><text class="vi-2nd ${kind}" x="${px(x)}" y="${bottom + 17}">${text}</text>`
@@ -264,9 +264,11 @@ ${goal ? name(goal, "vi-of-demo", "demonstrator") : ""}${goal && Math.hypot(x - 
   }
 }
 
-/** Round numbers of degrees between two, some five. @param {number} low @param {number} high @param {number} most how many there is room for */
-function nice(low, high, most) {
-  const step = [5, 10, 15, 30, 45, 90, 180].find(each => (high - low) / each <= Math.min(5, most)) ?? 180, found = [];
-  for (let k = Math.ceil((low - 1e-6) / step); k * step <= high + 1e-6; k++) found.push(k * step);
+/** Round numbers of degrees between two angles, some five. @param {number} low rad @param {number} high rad
+ * @param {number} most how many there is room for */
+export function nice(low, high, most) {
+  const [from, to] = [low / DEGREE - 1e-6, high / DEGREE + 1e-6], found = [];
+  const step = [.1, .2, .5, 1, 2, 5, 10, 15, 30, 45, 90].find(each => (to - from) / each <= Math.min(6, most)) ?? 180;
+  for (let k = Math.ceil(from / step); k * step <= to; k++) found.push(Math.round(k * step * 10) / 10);
   return found;
 }

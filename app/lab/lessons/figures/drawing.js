@@ -1,7 +1,7 @@
 /** Drawings of lessons: SVG as large as its box, in units that grow with the page's letters.
  * @typedef {[number, number]} Place in units of a drawing
  * @typedef {[number, number, number, number]} Rectangle left, top, right, bottom, in units of a drawing */
-import {add, arrowPaths, circles, drawingSize, escaped, px, set} from "../../view/svg.js";
+import {add, arrowPaths, drawingSize, escaped, px, set} from "../../view/svg.js";
 export {circles, crosses, diamonds, dots, polyline} from "../../view/svg.js";
 
 const LETTER_PX = 12.5; // size of letters, in units
@@ -68,13 +68,6 @@ export const path = (kind, d, more = "") => d ? `<path class="${kind}" d="${d}"$
 export function arrows(ends, most = HEAD, kind = "vi-e", tip = "vi-tip") {
   const [shafts, tips] = arrowPaths(ends, most);
   return path(kind, shafts) + path(tip, tips);
-}
-
-/** The visitor's own mark: a cross hair. @param {number[]} at */
-export function crossHair([x, y]) {
-  const hair = circles([[x, y]], 9.5) + [[1, 0], [-1, 0], [0, 1], [0, -1]].map(([u, v]) =>
-    `M${px(x + 7 * u)} ${px(y + 7 * v)}l${8 * u} ${8 * v}`).join("");
-  return path("lesson-you-case", hair) + path("lesson-you", hair);
 }
 
 /** Words on a pill beside the middle of a line, or on it, where nothing is yet.

@@ -2,7 +2,6 @@
 
 import dataclasses
 
-import numpy as np
 import pytest
 
 from viewimit.loop.history import EARLY, RECENT, STRIDE, History
@@ -56,19 +55,3 @@ def test_after_the_first_motions_every_stride_th_of_old_ones_stands_for_those_af
     assert len(set(map(id, history))) == len(set(stands))
     assert history.scrub(EARLY + STRIDE + 3) and history.cursor == EARLY + STRIDE
     assert history.undo() and history.cursor == EARLY and history.undo() and history.cursor == EARLY - 1
-
-
-def test_a_history_is_a_table_whose_columns_are_named_by_the_joints_that_move():
-    session = Session(Settings(joints=(2, 4, 6), points=16))
-    session.run(4)
-    for history in (session.history, session.copy().history):
-        arrays, rows = history.arrays(), history.table()
-        for k, joint in enumerate((2, 4, 6)):
-            for name, field in (("theta", "theta"), ("demonstrator", "theta_demo"), ("moved", "moved")):
-                expected = np.degrees([getattr(moment, field)[k] for moment in history])
-                np.testing.assert_array_equal(arrays[f"{name}{joint}_deg"], expected)
-        np.testing.assert_array_equal(arrays["E_px2"], [moment.E for moment in history])
-        assert arrays["status"].tolist() == [moment.status for moment in history]
-        assert arrays["motion"].tolist() == [row["motion"] for row in rows] == list(range(5))
-        assert all(row.keys() == arrays.keys() for row in rows)
-        assert rows[3] == {name: column.tolist()[3] for name, column in arrays.items()}

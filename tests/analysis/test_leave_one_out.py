@@ -64,8 +64,12 @@ def held_out(seen, elsewhere, by):
     return float(np.sqrt(np.square(fitted.residual(elsewhere)).sum(-1).mean() / 2))
 
 
+RIGS = [(12, 5.0), (12, 20.0), (20, 5.0)]
+MORE_RIGS = [(20, 2.0), (20, 20.0), (40, 2.0), (40, 5.0), (40, 20.0)]
+
+
 @pytest.mark.parametrize(
-    "points, toe_in_deg", [(12, 5.0), (12, 20.0), (20, 2.0), (20, 5.0), (20, 20.0), (40, 2.0), (40, 5.0), (40, 20.0)]
+    "points, toe_in_deg", [*RIGS, *(pytest.param(*rig, marks=pytest.mark.slow) for rig in MORE_RIGS)]
 )
 def test_a_toed_in_rig_is_rectified_and_predicts_better_so(points, toe_in_deg):
     for k in range(DRAWS):

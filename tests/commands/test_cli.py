@@ -21,10 +21,8 @@ from viewimit.analysis.results import outcome
 from viewimit.commands import json_output
 from viewimit.commands.json_output import rounded
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.experiments.bench import speed
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.servo import SERVOS
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -286,34 +284,6 @@ def test_a_robot_is_a_scene_of_its_name_or_a_urdf_beside_the_scene(ask_json, fil
     assert told("--scene", "elsewhere/own.toml") == shipped
     _, iiwa = ask_json("landscape", "--robot", "iiwa", "--step-deg", 10)
     assert iiwa["grid"] == [10, 13]
-
-
-def test_reports_for_people_carry_the_same_figures(ask, ask_json):
-    affine = ("imitate", "--transfer", "linear", "--servo", "broyden")
-    _, told = ask_json(*affine)
-    status, out, err = ask(*affine)
-    assert status == 1 and "At rest, without proof" in err
-    assert f"after {told['motions']} steps: at rest" in out and f"{told['E']:.4g} px²" in out
-    _, told = ask_json("imitate", "--start", "25,-45")
-    status, out, err = ask("imitate", "--start", "25,-45")
-    assert status == 0 and err == "" and f"after {told['motions']} steps: arrived" in out
-    assert told["error_deg"] < 0.01 and "joint error   below 0.01° at most" in out
-    assert told["E"] < 0.001 and "E             below 0.001 px²" in out
-
-
-def test_bench_prints_one_object(ask_json, monkeypatch):
-    for number, small in {"ROUNDS": 1, "SLOW_ROUNDS": 1, "LOOP_SHARE": 50, "SINGLE_CALLS": 20, "MOTIONS": 3}.items():
-        monkeypatch.setattr(speed, number, small)
-    status, told = ask_json("bench", "speed", "--scene", "iiwa")
-    assert status == 0 and list(told) == [*HEADING, "speed"] and told["speed"]["postures"] == 91 * 121
-    status, told = ask_json("bench", "success", "--runs", 4, "--max-motions", 3)
-    assert status == 0 and list(told) == [*HEADING, "success"]
-    pairs = [(row["transfer"], row["servo"]) for row in told["success"]]
-    assert pairs[: len(SERVOS)] == [("epipolar", servo) for servo in SERVOS]
-    assert set(pairs[len(SERVOS) :]) == {
-        (t, s) for t in TRANSFERS for s, law in SERVOS.items() if t != "epipolar" and not law.slow
-    }
-    assert all(row["runs"] == 4 and row["motions_most"] <= 3 for row in told["success"])
 
 
 @pytest.mark.parametrize("encoding", ["cp1252", "ascii"])

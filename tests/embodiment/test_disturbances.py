@@ -1,9 +1,7 @@
 """Disturbances against their settings; and each is one entry, which page, commands and captions have from its field."""
 
-import msgspec
 import numpy as np
 import pytest
-from quiet_page import QuietPage
 
 from viewimit.drawing.plots import describe_settings
 from viewimit.loop.session import Session
@@ -84,13 +82,6 @@ class TestEach:
             == f"{describe_settings(runs[0].settings)} · {entry.caption.format(amount)}"
         )
 
-    def test_its_bounds_are_kept(self, name, entry):
-        for bound in entry.bounds:
-            assert getattr(Settings.paper(**{name: bound}), name) == bound
-        for beyond in (entry.bounds[0] - 0.01, entry.bounds[1] + 0.01, np.nan):
-            with pytest.raises(ValueError, match=f"{name} must be between"):
-                msgspec.structs.replace(Settings.paper(), **{name: beyond})
-
     def test_it_is_an_option(self, name, entry, ask, ask_json):
         option = "--" + name.replace("_", "-")
         assert entry.description in " ".join(ask("imitate", "--help")[1].split())
@@ -98,13 +89,3 @@ class TestEach:
         assert told["settings"][name] == entry.bounds[1] / 100
         status, _, err = ask("imitate", option, entry.bounds[1] + 1)
         assert status == 2 and f"{option}: {name} must be between" in err
-
-    def test_it_is_a_slider(self, name, entry):
-        page = QuietPage(Settings.paper(start_deg=(25, -45)))
-        page.tick()
-        slider = page.widget(entry.label)
-        assert (slider.min, slider.max, slider.step) == entry.slider_range and slider.hint == entry.description
-        page.choose(entry.label, entry.slider_range[1])
-        assert getattr(page.page.model.session.history[-1].settings, name) == pytest.approx(
-            entry.slider_range[1] / entry.slider_scale
-        )

@@ -59,7 +59,7 @@ def require_inside(postures, workspace_deg):
 
 @pytest.mark.parametrize("servo", SERVOS)
 @given(max_step_deg=strategies.floats(2.0, 40.0), seed=strategies.integers(0, 2**16))
-@settings(max_examples=3, deadline=None)
+@settings(max_examples=2)
 def test_an_own_arm_is_never_sent_too_far_nor_out_of_its_workspace(servo, max_step_deg, seed):
     low, high = np.radians(WORKSPACE_DEG).T
     start, shown = np.random.default_rng(seed).uniform(low, high, (2, 3))
@@ -77,7 +77,7 @@ def test_an_own_arm_is_never_sent_too_far_nor_out_of_its_workspace(servo, max_st
 
 @pytest.mark.parametrize("servo", SERVOS)
 @given(max_step_deg=strategies.floats(2.0, 40.0), seed=strategies.integers(0, 2**16), noise_px=strategies.just(0.5))
-@settings(max_examples=3, deadline=None)
+@settings(max_examples=2)
 def test_in_a_scene_the_same_limits_hold(servo, max_step_deg, seed, noise_px):
     low, high = np.array(SCENE_WORKSPACE_DEG).T
     start_deg, shown_deg = np.random.default_rng(seed).uniform(low, high, (2, 2)).round(3)

@@ -113,19 +113,6 @@ def test_a_fit_leaves_the_noise_and_predicts_better_than_the_images_it_was_given
     assert np.sqrt((error**2).mean()) < noise
 
 
-def test_a_point_that_both_cameras_never_saw_at_once_is_unknown_and_the_others_are_recovered():
-    chain, rng = Chain(2, 7), np.random.default_rng(7)
-    postures = [*probes(2), *rng.uniform(-LIMIT, LIMIT, (5, 2))]
-    seen = rng.uniform(size=(len(postures), len(chain.link), 2)) < 0.8
-    seen[:4, :, :] |= rng.uniform(size=(4, len(chain.link), 1)) < 0.7
-    seen[:, 3, 1] = False
-    visits = chain.visits(postures, seen)
-    assert not visits.known[3] and visits.known[np.arange(len(chain.link)) != 3].all()
-    model, new = fit(visits, 0.0, None), rng.uniform(-LIMIT, LIMIT, (6, 2))
-    error = (model.predict(new) - np.stack([chain.images(theta) for theta in new]))[:, visits.known]
-    assert np.sqrt(np.median(error**2)) < 0.1
-
-
 @pytest.mark.parametrize("m, seed", [(2, 11), (3, 12), (4, 13)])
 def test_it_arrives_where_fixed_targets_are_seen_as_in_the_cited_paper(m, seed):
     chain, rng = Chain(m, seed), np.random.default_rng(seed)

@@ -6,7 +6,7 @@ for await (const part of process.stdin) asked += part;
 const load = path => import(pathToFileURL(`${process.argv[2]}/${path}`).href);
 const [engine, rays, showing, places, measures] = await Promise.all(["engine/engine.js", "lessons/rays.js",
   "lessons/teach_by_showing.js", "lessons/places.js", "lessons/measures_ray.js"].map(load));
-const {scene, tasks, alike, postures, carried, pencils} = JSON.parse(asked), world = new engine.World(scene, 10);
+const {scene, tasks, alike, postures, carried} = JSON.parse(asked), world = new engine.World(scene, 10);
 const five = new engine.World(scene, 5), settings = {transfer: "epipolar", servo: "broyden"};
 
 /** A stage as far as these functions read it. */
@@ -18,15 +18,13 @@ const matchesOf = (demonstrator, own) => {
   const l = five.look("demonstrator", demonstrator).images, L = five.look("learner", own).images;
   return five.body.map((_, i) => [[l[4 * i], l[4 * i + 1]], [L[4 * i], L[4 * i + 1]]]);
 };
-const pairs = matchesOf(alike, alike);
 
 process.stdout.write(JSON.stringify({
   runs: tasks.map(task => {
-    const {postures: visited, errors} = showing.teachByShowing(world, task);
-    return {postures: visited, errors, steps: showing.stepsTo({errors}, 2)};
+    const {postures: visited} = showing.teachByShowing(world, task);
+    return {postures: visited};
   }),
   fifth: postures.map(own => measures.fifthLeftOut(matchesOf(alike, own))),
-  pencils: pencils.map(([l, L]) => rays.pencil(pairs.map(([p]) => p), pairs.map(([, q]) => q), l, L).rms),
   carried: carried.map(by => places.energyMoved(stageOf(alike, postures[1]), by)),
   far: [0.4, 1, 2, 10].map(distance => {
     const stage = stageOf(alike, alike, distance), [first, second] = rays.camerasOf(stage);

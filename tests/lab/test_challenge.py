@@ -1,12 +1,8 @@
-"""A challenge: its rules in Node, beside this file's own reading of them, and whole games in a browser.
-
-`PYTHONPATH=tests python tests/lab/test_challenge.py` prints what a screen reader says of a Blindfold game.
-"""
+"""A challenge: its rules in Node, beside this file's own reading of them, and whole games in a browser."""
 
 import datetime
 import json
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -258,29 +254,3 @@ def test_a_challenge_made_here_is_played_there_by_touch_and_by_keys(browser, add
     assert faults == []
     for page in pages:
         page.context.close()
-
-
-def main():
-    import browser
-    from playwright.sync_api import sync_playwright
-
-    path = Path(sys.argv[1] if len(sys.argv) > 1 else "lab.html")
-    path.write_text(lab_page(), "utf-8")
-    command = [typescript.node(), HERE / "challenge.mjs", LAB]
-    asked = {
-        "scene": engine_scene(load_scene("panda")),
-        "days": DAYS[:1],
-        "levels": ["blindfold"],
-        "pairs": [],
-        "hashes": [],
-        "games": [],
-    }
-    done = subprocess.run(command, input=json.dumps(asked), capture_output=True, text=True, check=True)
-    angles = json.loads(done.stdout)["days"][0]["whole"]
-    with sync_playwright() as playwright:
-        page = playwright.chromium.launch(executable_path=browser.find(), args=browser.FLAGS).new_page()
-        print(*game_by_keys(Player(page, path.absolute().as_uri() + POSE + "&level=blindfold"), angles, 12), sep="\n")
-
-
-if __name__ == "__main__":
-    main()

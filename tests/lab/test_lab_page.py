@@ -14,7 +14,6 @@ from waiting import wait_until
 
 from viewimit import Session, Settings
 from viewimit.drawing.export.lab_methods import lab_methods
-from viewimit.drawing.export.space import thinned
 
 MB = 1_000_000
 ARM = """<robot name="r"><link name="base"/>
@@ -113,15 +112,6 @@ def test_the_file_is_small_and_its_policy_is_strict(lab):
     (policy,) = re.findall(r'http-equiv="Content-Security-Policy" content="([^"]*)"', lab)
     assert "default-src 'none'" in policy and "unsafe-eval" not in policy and "connect-src" not in policy
     assert re.findall(r'\b(?:src|href)="(?!data:|#)[^"]*"', lab) == []
-
-
-def test_a_mesh_is_thinned_to_a_bound_and_keeps_its_extent():
-    angles = np.linspace(0, 2 * np.pi, 200, endpoint=False)
-    rings = np.array([[np.cos(a), np.sin(a), z] for z in np.linspace(0, 1, 60) for a in angles])
-    quads = [(k * 200 + i, k * 200 + (i + 1) % 200, k * 200 + i + 200) for k in range(59) for i in range(200)]
-    vertices, faces = thinned(rings, np.array(quads), 1000)
-    assert 0 < len(faces) <= 1000 and faces.max() < len(vertices)
-    assert np.abs(np.ptp(vertices, axis=0) - (2, 2, 1)).max() < 0.3
 
 
 def test_the_command_writes_it_for_a_robot_of_ones_own_and_says_what_it_cannot(ask, tmp_path):

@@ -40,20 +40,16 @@ def _turned(update, roll_deg):
     return _task(TURNED_START, TURNED_GOAL, 0.3, update, ONE_IN_L, 5.0, roll_deg)
 
 
-# What is done, and after how many steps all points are within 2 px of the goal; NaN for never
 TASKS = {
-    "gain 0.1": (_gain(0.1), 32),
-    "gain 1": (_gain(1.0), 2),
-    "gain 2.2": (_gain(2.2), np.nan),
-    "not turned": (_turned(False, 0.0), 5),
-    "turned by 60°": (_turned(False, 60.0), 9),
-    "turned by 90°": (_turned(False, 90.0), 27),
-    "turned by 180°": (_turned(False, 180.0), np.nan),
-    "turned the other way": (_turned(False, -90.0), np.nan),
-    "turned by 90°, Broyden": (_turned(True, 90.0), 4),
+    "gain 0.1": _gain(0.1),
+    "gain 1": _gain(1.0),
+    "gain 2.2": _gain(2.2),
+    "not turned": _turned(False, 0.0),
+    "turned by 90°": _turned(False, 90.0),
+    "turned by 180°": _turned(False, 180.0),
+    "turned the other way": _turned(False, -90.0),
+    "turned by 90°, Broyden": _turned(True, 90.0),
 }
-PENCILS_DEG = (34, 163), (34, 168), (34, 173), (34, 183), (39, 163), (44, 163), (54, 163)
-PENCILS_PX = 0.07, 1.3, 2.5, 5.1, 1.6, 3.3, 7.0  # left over
 
 
 @pytest.fixture(scope="module")
@@ -64,9 +60,8 @@ def world():
 @pytest.fixture(scope="module")
 def found():
     asked = {
-        "scene": engine_scene(load_scene("panda")), "tasks": [task for task, _ in TASKS.values()],
+        "scene": engine_scene(load_scene("panda")), "tasks": [*TASKS.values()],
         "alike": ALIKE.tolist(), "postures": [ALIKE.tolist(), DIFFERENT.tolist()], "carried": CARRIED,
-        "pencils": np.radians(PENCILS_DEG).tolist(),
     }  # fmt: skip
     command = [typescript.node(), HERE / "lesson_geometry.mjs", LAB]
     done = subprocess.run(command, input=json.dumps(asked), capture_output=True, text=True)
@@ -111,29 +106,11 @@ def _in_library(world, task):
 
 @pytest.mark.parametrize("name", TASKS)
 def test_teaching_by_showing_goes_as_in_the_library(found, world, name):
-    task, _ = TASKS[name]
     run = found["runs"][list(TASKS).index(name)]
-    expected = _in_library(world, task)
+    expected = _in_library(world, TASKS[name])
     # A gain above two between two limits is chaotic: a rounding error grows with each step
     count = 12 if name == "gain 2.2" else STEPS
     np.testing.assert_allclose(run["postures"][:count], expected[:count], atol=1e-6)
-
-
-@pytest.mark.parametrize("name", TASKS)
-def test_as_many_steps_as_the_lesson_says(found, name):
-    steps = found["runs"][list(TASKS).index(name)]["steps"]
-    assert np.array_equal(np.array(steps, float), TASKS[name][1], equal_nan=True)
-
-
-def test_a_gain_above_two_swings_and_the_update_errs_once(found):
-    runs = dict(zip(TASKS, found["runs"]))
-    last = runs["gain 2.2"]["errors"][-10:]
-    assert 25 < min(last) < max(last) < 45
-    assert max(runs["turned by 90°, Broyden"]["errors"]) == pytest.approx(28.5, abs=0.5)
-
-
-def test_pencils_leave_over_what_the_lesson_says(found):
-    np.testing.assert_allclose(found["pencils"], PENCILS_PX, atol=0.05)
 
 
 def test_four_matches_leave_out_the_fifth_as_the_library_says(found):

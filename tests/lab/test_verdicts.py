@@ -1,7 +1,4 @@
-"""One run, one verdict: each preset of the lab in every front end that can compute it.
-
-`python tests/lab/test_verdicts.py` prints the table without a browser.
-"""
+"""One run, one verdict: each preset of the lab in every front end that can compute it."""
 
 import contextlib
 import io
@@ -30,8 +27,6 @@ MOTIONS = 1000
 PLAYED = """motions => { const s = lab.session(); while (s.now.motion < motions && s.step()); lab.draw();
 const said = document.getElementById("outcome"), dot = document.getElementById("state").className.split(" ").pop();
 return [said.textContent.replace(/[.]$/, ""), dot, s.now.status]; }"""
-IN_REPLAY = """() => [document.getElementById("outcome").textContent,
-document.getElementById("state").className.split(" ").pop()]"""
 SAID = """kind => { lesson.draw(); const [, label, says] = document.querySelector(`.lesson-says-${kind}`).children;
 return [label.textContent, label.firstElementChild.className.split(" ").pop(), says.textContent]; }"""
 RACED = f"name => {{ lesson.goTo('runs', name); lesson.stage().reveal = 1; return ({SAID})('learner'); }}"
@@ -130,16 +125,3 @@ def test_lessons_and_a_class_say_the_same_of_a_run(browser, entry):
         sentence = expected.sentence(last.motion, last.E, claim["seen"], f"the {joints}", claim["expectedOffDeg"])
         assert says == sentence, signed.name
     page.context.close()
-
-
-def main():
-    for preset in PRESETS.values():
-        session, ended = run_of(preset)
-        told = in_python(session, ended)
-        same = "same" if len(set(told.values())) == 1 else "DIFFERENT"
-        row = f"{preset.key:9} {ended.motions:5} {ended.status:12} {same:9}"
-        print(row, *map(" / ".join, told.values()), sep=" | ")
-
-
-if __name__ == "__main__":
-    main()

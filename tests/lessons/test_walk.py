@@ -285,13 +285,6 @@ def test_a_class_freezes_leads_and_shows_what_others_answered(opened):
     assert at(page)["revealed"] and "6 · 60 %" in body(page)
 
 
-def test_a_glossary_term_is_explained_by_a_key(opened):
-    page = opened("choice")
-    page.focus(".term")
-    press(page, "Enter")
-    assert page.locator(".definition").is_visible() and not at(page)["revealed"]
-
-
 @pytest.mark.parametrize("how", ("shown", "revealed by others", "skipped"))
 def test_a_step_goes_on_from_what_was_shown_and_not_from_an_unfinished_try(opened, how):
     """The goal is E below 30; one step leaves it far above."""
@@ -363,20 +356,6 @@ def test_the_browser_s_back_leads_one_step_back(opened):
     wait_until(lambda: at(page)["step"] == "home")
     page.go_forward()
     wait_until(lambda: at(page)["step"] == "choice")
-
-
-def turned(page, slider, share):
-    """Drag a slider to a share of its length, and release it."""
-    box = page.locator(slider).bounding_box()
-    y = box["y"] + box["height"] / 2
-    page.mouse.move(box["x"] + box["width"] / 2, y)
-    page.mouse.down()
-    page.mouse.move(box["x"] + share * box["width"], y, steps=5)
-    settled(page)
-    yield
-    page.mouse.up()
-    page.wait_for_timeout(50)
-    settled(page)
 
 
 def test_a_slider_changes_no_judgement_after_the_page_was_opened_again(opened):

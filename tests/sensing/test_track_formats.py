@@ -4,6 +4,8 @@ import pickle
 import re
 import shlex
 import struct
+import subprocess
+import sys
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -443,3 +445,15 @@ COLMAP = """# Image list with two lines of data per image:
 3 0.85 0.17 -0.49 0.07 -0.6 1.7 1.4 1 demo_left.png
 1190.83 663.957 23056 10.5 20.25 -1 1258.77 640.354 59070
 """
+
+
+@pytest.mark.parametrize("text", [COLMAP, COLMAP.partition("mean observations per image: 2\n")[2]])
+def test_colmaps_images_are_refused_with_a_command_that_writes_the_points_of_one(tmp_path, text):
+    (tmp_path / "images.txt").write_text(text)
+    with pytest.raises(ValueError, match="images.txt is not read, as it holds all views") as refused:
+        read_view(tmp_path / "images.txt")
+    command = str(refused.value).rpartition(" both arms: ")[2].replace("python", sys.executable, 1)
+    subprocess.run(command, shell=True, cwd=tmp_path, check=True)
+    (written,) = tmp_path.glob("*.csv")
+    track = read_view(written)
+    assert track.points == ("23056", "59070") and track.image[0].tolist() == [[1190.83, 663.957], [1258.77, 640.354]]

@@ -8,13 +8,11 @@ import pytest
 import trimesh
 from urdfs import arm, joint, link, write
 
-from viewimit.simulation.urdf import shapes
-from viewimit.simulation.urdf.mesh_files import MAX_FILE_FACES, NotFound, mesh_path, simplified
+from viewimit.simulation.urdf.mesh_files import NotFound, mesh_path
 from viewimit.simulation.urdf.reference import Reference
 from viewimit.simulation.urdf.shapes import shapes_of
 
 BALL = trimesh.creation.icosphere(3, 0.1)
-FINE_BALL = trimesh.creation.icosphere(4, 0.1)
 
 
 def mesh_of(name, scale=""):
@@ -63,14 +61,6 @@ def test_boxes_cylinders_and_spheres_are_as_large_as_said_and_stand_where_their_
     meshes = shapes_of(Reference(urdf)).meshes
     np.testing.assert_allclose(meshes[0].bounds, [[-0.1, -0.2, 0.7], [0.1, 0.2, 1.3]])
     np.testing.assert_allclose(meshes[1].bounds, [[-0.3, -0.3, -0.1], [1.25, 0.3, 2.3]], atol=2e-3)
-
-
-def test_large_meshes_become_small_and_keep_their_shape():
-    fine = trimesh.creation.icosphere(6, 0.1)
-    coarse = simplified(fine)
-    assert len(fine.faces) > 50 * MAX_FILE_FACES / 2 and MAX_FILE_FACES / 4 < len(coarse.faces) <= MAX_FILE_FACES
-    assert np.abs(np.linalg.norm(coarse.vertices, axis=1) - 0.1).max() < 0.005
-    assert simplified(BALL) is BALL
 
 
 def test_a_missing_mesh_is_a_rod_and_a_message(tmp_path):
@@ -175,54 +165,3 @@ def test_an_obj_reads_no_other_file(tmp_path, monkeypatch):
     shapes = shapes_of(Reference(urdf))
     assert shapes.faults == () and str(tmp_path / "ball.obj") in opened
     assert not [path for path in opened if "hostname" in path or path.endswith(".mtl")]
-
-
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    """Where they are kept, empty."""
-    monkeypatch.setenv(shapes.FOLDER, str(tmp_path / "kept"))
-    return tmp_path / "kept"
-
-
-@pytest.fixture
-def read(monkeypatch):
-    """Files that are read as meshes, in order."""
-    found, plain = [], shapes.load_mesh
-    monkeypatch.setattr(shapes, "load_mesh", lambda path: (found.append(path.name), plain(path))[1])
-    return found
-
-
-def urdf_of(folder, *names, more=""):
-    hand = "".join(f'<visual><geometry><mesh filename="{name}"/></geometry></visual>' for name in names)
-    return Reference(write(folder, *arm(joint("last", "lower", "hand"), link("hand", visual=hand)), more))
-
-
-def anew(reference):
-    """As the next process has it."""
-    shapes.load_shapes.cache_clear()
-    return shapes.shapes_of(reference)
-
-
-def assert_same(one, other):
-    assert one.faults == other.faults and list(one.meshes) == list(other.meshes)
-    for link_number, mesh in one.meshes.items():
-        np.testing.assert_array_equal(mesh.vertices, other.meshes[link_number].vertices)
-        np.testing.assert_array_equal(mesh.faces, other.meshes[link_number].faces)
-
-
-def test_a_damaged_entry_is_made_again(tmp_path, folder, read):
-    FINE_BALL.export(tmp_path / "ball.stl")
-    reference = urdf_of(tmp_path, "ball.stl")
-    made = anew(reference)
-    (kept,) = folder.iterdir()
-    whole = kept.read_bytes()
-    wrong = {"links": np.array([4]), "missing": np.array([], str), "v4": np.zeros((3, 3)), "f4": np.array([[0, 1, 9]])}
-    for k, content in enumerate((b"", whole[:-100], b"no archive", wrong, {**wrong, "v4": np.array([None])}), 2):
-        if isinstance(content, dict):
-            np.savez(kept, **content)
-        else:
-            kept.write_bytes(content)
-        assert_same(anew(reference), made)
-        assert len(read) == k
-    assert_same(anew(reference), made)
-    assert len(read) == k

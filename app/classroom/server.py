@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import uvicorn
 from starlette.applications import Starlette
 from starlette.requests import Request
-from starlette.responses import PlainTextResponse, RedirectResponse, Response
+from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp
 from starlette.websockets import WebSocket, WebSocketDisconnect
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
@@ -41,7 +41,6 @@ log = logging.getLogger(__name__)
 class ServerOptions:
     """How a class is served."""
 
-    root_path: str = ""  # under which a proxy passes requests on: /x, or ""
     embed: tuple[str, ...] = ()  # origins whose pages may show the class in a frame
     origins: tuple[str, ...] = ()  # by which browsers know it besides its addresses and this machine's names
     trusted: str = ""  # addresses of proxies whose X-Forwarded headers are believed, separated by commas; * for all
@@ -126,22 +125,7 @@ def class_app(room: Room, pages: dict[str, Callable[[], Page]], options: ServerO
         room.store.close()
 
     routes = [Route(path, page) for path in pages]
-    app = Starlette(routes=[*routes, WebSocketRoute("/socket", socket)], lifespan=lifespan)
-    return _below(app, options.root_path) if options.root_path else app
-
-
-def _below(app: ASGIApp, root: str) -> ASGIApp:
-    """Serve under a path too, for proxies that do not take it off. Pages have relative addresses, so that both work."""
-
-    async def below(scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] == "http" and scope["path"] == root:
-            await RedirectResponse(f"{root.rsplit('/', 1)[1]}/", 308)(scope, receive, send)
-            return
-        if scope["type"] in ("http", "websocket") and scope["path"].startswith(f"{root}/"):
-            scope = {**scope, "path": scope["path"][len(root) :]}
-        await app(scope, receive, send)
-
-    return below
+    return Starlette(routes=[*routes, WebSocketRoute("/socket", socket)], lifespan=lifespan)
 
 
 async def _tick(room: Room) -> None:

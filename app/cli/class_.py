@@ -3,7 +3,6 @@
 import argparse
 import logging
 import os
-import re
 import secrets
 import sys
 import time
@@ -20,7 +19,6 @@ LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"  # without those that look alike
 LETTERS_OF_A_CODE = 8
 MIN_CODE = 8  # letters of a code of one's own
 CONTINUED_S = 6 * 3600  # a file without a name of its own is continued if its class was so long ago at most
-ROOT_PATH = re.compile(r"(/[\w.~-]+)+")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -61,9 +59,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "origin",
     )
     parser.add_argument(
-        "--root-path", default="", metavar="/x", help="path under which a proxy passes requests on; with it or without"
-    )
-    parser.add_argument(
         "--trust-proxy",
         default="",
         metavar="ADDRESS",
@@ -82,14 +77,11 @@ def run(args: argparse.Namespace) -> int:
     with naming("--embed"):
         for origin in args.embed:
             require_origin(origin)
-    root = args.root_path.rstrip("/")
-    if root and not ROOT_PATH.fullmatch(root):
-        raise BadInput(f"--root-path: {args.root_path!r} is no path such as /x")
     with naming("--address"):
         origins = () if args.address is None else (_origin(args.address),)
         for origin in origins:
             require_origin(origin)
-    options = ServerOptions(root, tuple(args.embed), origins, args.trust_proxy)
+    options = ServerOptions(tuple(args.embed), origins, args.trust_proxy)
     with naming("--lesson"):
         lessons = lessons_of(args.lesson)
     pages = class_pages(lessons, options.embed)
@@ -140,13 +132,12 @@ def _invite(args: argparse.Namespace, port: int) -> str:
     """Print and return what students open, with a QR code where others can reach it."""
     from ..server.address import address, address_for_others, print_qr
 
-    root = f"{args.root_path.rstrip('/')}/"
     others = args.address or address_for_others(args.host, port)
-    print(f"the class is at {address(args.host, port)}{root}")
+    print(f"the class is at {address(args.host, port)}/")
     if others is None:
         print("only this machine reaches it; --host 0.0.0.0 admits everybody on its network")
         return ""
-    others = others if args.address else f"{others}{root}"
+    others = others if args.address else f"{others}/"
     print(f"students open {others}")
     print_qr(others)
     return others

@@ -16,7 +16,7 @@ from .child import stand_back
 NICENESS = 1  # drawing the pages goes first, experiments last
 QUALITY = 80  # of a JPEG: about 7 kB each
 MOST_SCENES = 4  # whose eyes are kept
-UNUSED_S = 10.0  # after which it ends; to begin takes 2 s
+UNUSED_S = 120.0  # after which it ends; to begin takes 2 s
 
 
 def work(connection: Connection) -> None:

@@ -68,7 +68,7 @@ FAULTS = {  # a file, the line, the field, a part of what is said
         ask(PLACE.replace('"L"', '"R"')), 16, "step[0].ask.figure", "none of the step's main figures, L"
     ),
     "no measure of a place": (ask(PLACE.replace("recovered in", "in")), 17, "step[0].ask.truth", "no measure 'in L'"),
-    "near nothing": (ask(PLACE.replace("near = 5", "near = 0")), 18, "step[0].ask.near", "above 0"),
+    "near nothing": (ask(PLACE.replace("near = 5", "near = 0")), 18, "step[0].ask.near", "`float` > 0"),
     "a line alone": (ask(PLACE + 'line = "E"\n'), 13, "step[0].ask", "line and on_line need each other"),
     "elsewhere": (
         ask(PLACE + '[[step.ask.elsewhere]]\ntruth = "x"\nnear = 1\nbecause = "c"\n'),
@@ -88,7 +88,7 @@ FAULTS = {  # a file, the line, the field, a part of what is said
         11, "step[0].sliders", "knob 1 and knob 2",
     ),
     "too many bets": (
-        ask('kind = "bet"\nquestion = "?"\ntruth = "within 1°"\ntimes = 99\n'), 17, "step[0].ask.times", "from 1 to 20"
+        ask('kind = "bet"\nquestion = "?"\ntruth = "within 1°"\ntimes = 99\n'), 17, "step[0].ask.times", "`int` <= 20"
     ),
     "a slider": (
         LESSON.replace("chosen = 2", SLIDERS).replace("start = 20", "start = 99"),

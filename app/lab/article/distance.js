@@ -1,9 +1,7 @@
 /** Why it is off: perspective, which fades as the eyes move back and zoom in. */
-import {solve} from "../engine/algebra.js";
-import {clamp, conflict, recovered, residual, TRANSFERS, World} from "../engine/engine.js";
+import {DEGREE, energyAt, farthest, lowest, recovered, World} from "../engine/engine.js";
 import {Images} from "../view/images.js";
 import {add, drawingUnit, energyText, fixed, px, set} from "../view/svg.js";
-import {DEGREE} from "./frame.js";
 import {Ground} from "./ground.js";
 import {sessionOf} from "./views.js";
 
@@ -13,8 +11,7 @@ import {sessionOf} from "./views.js";
 
 const TIMES = [1, 2, 5, 10], PARTS = [1, 3, 10, 30]; // of the chart's axes
 const NAMES = /** @type {const} */ (["arrow", "shift"]);
-const POSE = [45 * DEGREE, -90 * DEGREE], ROUNDS = 8;
-const DIFFERENCE_RAD = .25 * DEGREE, MAX_SHARE = 20, MIN_SHARE = .01; // of difference quotients; steps in these
+const POSE = [45 * DEGREE, -90 * DEGREE], STEP_RAD = DEGREE; // of the search for the lowest E
 
 /** @type {import("./frame.js").FigureKind} */
 export function distance(frame, data) {
@@ -46,8 +43,9 @@ export function distance(frame, data) {
   /** How far the lowest E is from the truth, in degrees. @param {typeof rigs[number]} rig */
   const shiftOf = rig => {
     if (Number.isNaN(rig.shift)) {
-      rig.lowest = lowest(rig.world);
-      rig.shift = Math.max(...rig.lowest.map((v, i) => Math.abs(v - POSE[i]))) / DEGREE;
+      const demo = rig.world.look("demonstrator", POSE);
+      rig.lowest = lowest(theta => energyAt(rig.world, "epipolar", demo, theta), POSE, STEP_RAD, rig.world.scene);
+      rig.shift = farthest(rig.lowest, POSE);
     }
     return rig.shift;
   };
@@ -72,26 +70,6 @@ export function distance(frame, data) {
     },
     state: () => ({distance: rigs[k].value, E: rigs[k].now.E, shift: shiftOf(rigs[k])}),
   };
-}
-
-/** The posture near the demonstrator's in which E is lowest, by Newton's method.
- * @param {World} world of two moving joints */
-function lowest(world) {
-  const demo = world.look("demonstrator", POSE).images, {fit} = TRANSFERS.epipolar, h = DIFFERENCE_RAD;
-  const E = (/** @type {number} */ first, /** @type {number} */ second) => {
-    const own = world.look("learner", [first, second]).images;
-    return conflict(residual(fit(demo, own), demo, own));
-  };
-  let [a, b] = POSE;
-  for (let round = 0; round < ROUNDS; round++) {
-    const here = E(a, b), [right, left, up, down] = [E(a + h, b), E(a - h, b), E(a, b + h), E(a, b - h)];
-    const mixed = (E(a + h, b + h) - E(a + h, b - h) - E(a - h, b + h) + E(a - h, b - h)) / 4;
-    const H = [[right + left - 2 * here, mixed], [mixed, up + down - 2 * here]];
-    const step = solve(H, [(left - right) / 2, (down - up) / 2]);
-    [a, b] = [a + h * clamp(step[0], -MAX_SHARE, MAX_SHARE), b + h * clamp(step[1], -MAX_SHARE, MAX_SHARE)];
-    if (Math.hypot(step[0], step[1]) < MIN_SHARE) break;
-  }
-  return [a, b];
 }
 
 /** Arrows, and the shift of the lowest E, over the distance, as shares of what they are at first. */

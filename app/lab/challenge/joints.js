@@ -1,8 +1,8 @@
 /** Sliders that move nothing until Go, which turns all joints at once, and the glide of what is played. */
 import {make} from "../lessons/dom.js";
-import {smoothstep} from "../view/svg.js";
+import {DEGREE, smoothstep} from "../view/svg.js";
 
-const DEGREE = Math.PI / 180, STILL = 1e-9; // rad that a joint is not moved
+const STILL = 1e-9; // rad that a joint is not moved
 const still = typeof matchMedia === "undefined" ? {matches: true} : matchMedia("(prefers-reduced-motion: reduce)");
 
 /** Play something from 0 to 1, or show its end at once where nothing may move.
@@ -39,8 +39,7 @@ export class Joints {
   constructor(box, joints, go, ...beside) {
     /** Where the sliders stand, and the arm, rad. @type {number[]} */
     this.target = [];
-    /** @type {number[]} */
-    this.stands = [];
+    this.stands = /** @type {number[]} */ ([]);
     this.isLocked = this.isMoving = false;
     this.button = make("button", {type: "button", class: "filled go", onclick: () => this.#go(go)}, "Go");
     this.rows = joints.map(({name, low, high}, k) => {

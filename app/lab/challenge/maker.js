@@ -7,7 +7,7 @@ import {stepsText} from "../view/words.js";
 import {levelButtons} from "./levels.js";
 import {fromPose, LEVELS, POINTS, robotSteps, toLink} from "./rules.js";
 
-/** @import {Challenge, Level} from "./rules.js" */
+/** @import {Challenge, Level} from "./rules.js" @import {Scene} from "../engine/world.js" */
 
 /** Where a link opens for others: an address of the web, and not a file's or this device's own. */
 export const isPublic = () => location.protocol.startsWith("http") && !/^(localhost|127\.|\[::1\])/.test(location.hostname);
@@ -16,16 +16,14 @@ export const isPublic = () => location.protocol.startsWith("http") && !/^(localh
 export const addressOf = challenge => location.href.split("#")[0] + toLink(challenge);
 
 export class Maker {
-  /** @param {import("../engine/world.js").Scene} scene
-   * @param {(challenge: Challenge) => void} tried whoever made it looks at it */
+  /** @param {Scene} scene @param {(challenge: Challenge) => void} tried whoever made it looks at it */
   constructor(scene, tried) {
     this.world = new World(scene, POINTS);
     /** @type {Pick<Challenge, "demonstrator" | "start">} */
     this.pose = {demonstrator: [], start: []};
     /** @type {Level} */
     this.level = "points";
-    /** @type {Challenge | null} */
-    this.made = null;
+    this.made = /** @type {Challenge | null} */ (null);
     this.name = make("input", {type: "text", maxlength: 20, autocomplete: "nickname", oninput: () => this.#show()});
     this.levels = levelButtons(level => {
       this.level = level;

@@ -15,10 +15,8 @@ const PREFIX = `viewimit-class ${location.pathname} `;
 class Memory {
   /** @param {() => Storage} storage */
   constructor(storage) {
-    /** @type {Map<string, string>} */
-    this.own = new Map();
-    /** @type {Storage | null} */
-    this.storage = null;
+    this.own = /** @type {Map<string, string>} */ (new Map());
+    this.storage = /** @type {Storage | null} */ (null);
     try {
       storage().setItem(`${PREFIX}test`, "1");
       storage().removeItem(`${PREFIX}test`);
@@ -61,8 +59,7 @@ export class Link {
     this.changed = changed;
     this.isOpen = false;
     this.wait = FIRST_WAIT_MS;
-    /** @type {WebSocket | null} */
-    this.socket = null;
+    this.socket = /** @type {WebSocket | null} */ (null);
     this.lostAt = performance.now(); // when the connection was lost, or first tried
     this.cause = ""; // what keeps it from opening
     addEventListener("online", () => this.#connect());

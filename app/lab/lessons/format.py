@@ -7,16 +7,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
+from msgspec import Meta
 
 from viewimit.loop.settings import PAPER_FIELDS, Settings
 
 MAX_WORDS = 60  # of a step's text
 SCENE_FIELDS = ("head", "demonstrator", "learner", "points")  # of a scene file, that a step may change
-QUESTION_COUNT = 8
 FIELDS: dict[str, Any] = {"frozen": True, "kw_only": True, "forbid_unknown_fields": True}
+Positive = Annotated[float, Meta(gt=0)]
+Rounds = Annotated[int, Meta(ge=1, le=20)]
 _BRACES = re.compile(r"\{([^{}]*)\}")
 
 
@@ -42,7 +44,7 @@ class Choice(msgspec.Struct, tag="choice", tag_field="kind", **FIELDS):
     """Two to four answers. Wrong ones are beliefs that people really hold."""
 
     question: str
-    answers: tuple[Option, ...]
+    answers: Annotated[tuple[Option, ...], Meta(min_length=2, max_length=4)]
     right: str | None = None  # a measure: the number of the right answer, from 1, where it is computed
 
 
@@ -50,7 +52,7 @@ class Elsewhere(msgspec.Struct, **FIELDS):
     """A place or a line other than the truth, and the reply to a click near it. It comes before `close` and `far`."""
 
     truth: str  # a measure: a point or a line of the figure
-    near: float  # in the figure's unit
+    near: Positive  # in the figure's unit
     because: str
     belief: str = ""
 
@@ -61,7 +63,7 @@ class Place(msgspec.Struct, tag="place", tag_field="kind", **FIELDS):
     question: str
     figure: str
     truth: str  # a measure: a point or a line of that figure
-    near: float  # in the figure's unit: a click within it is close
+    near: Positive  # in the figure's unit: a click within it is close
     close: str
     far: str
     line: str | None = None  # a measure: a far click is on the right way if it is below `near`
@@ -80,8 +82,8 @@ class Number(msgspec.Struct, tag="number", tag_field="kind", **FIELDS):
     close: str
     far: str
     step: float | None = None
-    factor: float | None = None  # a guess that is too large or too small by this factor at most is close
-    within: float | None = None  # or one that differs by this at most
+    factor: Annotated[float, Meta(gt=1)] | None = None  # a guess at most so many times too large or small is close
+    within: Positive | None = None  # or one that differs by this at most
     less: str | None = None  # the reply to a guess that is too small, instead of `far`
     logarithmic: bool = False
 
@@ -101,7 +103,7 @@ class Pose(msgspec.Struct, tag="pose", tag_field="kind", **FIELDS):
 
     question: str
     truth: str  # a measure: a posture
-    near: float  # degrees
+    near: Positive  # degrees
     close: str
     far: str
 
@@ -113,7 +115,7 @@ class Predict(msgspec.Struct, tag="predict", tag_field="kind", **FIELDS):
     figure: str
     measure: str  # what a turn brings nearer to the goal
     below: float  # the goal
-    times: int = 8  # rounds at most
+    times: Rounds = 8  # rounds at most
     counted: bool = True
 
 
@@ -122,7 +124,7 @@ class Bet(msgspec.Struct, tag="bet", tag_field="kind", **FIELDS):
 
     question: str
     truth: str  # a measure: 1 if the claim holds, else 0
-    times: int = 1  # rounds, each with the next of the step's records
+    times: Rounds = 1  # rounds, each with the next of the step's records
 
 
 Ask = Choice | Place | Number | Do | Pose | Predict | Bet
@@ -140,7 +142,7 @@ class Slider(msgspec.Struct, **FIELDS):
     low: float
     high: float
     start: float
-    step: float = 1.0
+    step: Positive = 1.0
     unit: str | None = None  # None shows no number
     logarithmic: bool = False
 
@@ -166,9 +168,9 @@ class Step(msgspec.Struct, **FIELDS):
     chosen: int | None = None  # a body point, whose lines are drawn
     main: tuple[Figure, ...] = ()  # large figures
     side: tuple[Figure, ...] = ()
-    sliders: tuple[Slider, ...] = ()
+    sliders: Annotated[tuple[Slider, ...], Meta(max_length=3)] = ()
     race: tuple[str, ...] = ()  # servos that run from the same start
-    play: float | None = None  # seconds that the animation of the reveal takes
+    play: Positive | None = None  # seconds that the animation of the reveal takes
     meets: bool = False  # the reveal brings the learner to the demonstrator's posture
     carry: str | None = None  # the id of an earlier step whose state and path continue here
     randomise: bool = False  # postures are sampled at random
@@ -183,7 +185,7 @@ class Lesson(msgspec.Struct, **FIELDS):
     short: str  # its name in a list
     about: str  # one sentence
     minutes: int
-    step: tuple[Step, ...]
+    step: Annotated[tuple[Step, ...], Meta(min_length=1, max_length=60)]
     afterwards: str = ""  # what one can say then, one sentence
     settings: dict[str, Any] = {}
     questions: bool = False  # asks the eight questions before and after
@@ -194,14 +196,14 @@ class Item(msgspec.Struct, **FIELDS):
 
     id: str
     text: str
-    answers: tuple[Option, ...]
+    answers: Annotated[tuple[Option, ...], Meta(min_length=4, max_length=4)]
     step: str  # lesson/step that explains it
 
 
 class Questions(msgspec.Struct, **FIELDS):
     """The file of the questions."""
 
-    item: tuple[Item, ...]
+    item: Annotated[tuple[Item, ...], Meta(min_length=8, max_length=8)]
 
 
 def settings_of(lesson: Lesson, step: Step, **changes: Any) -> Settings:

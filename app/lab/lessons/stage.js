@@ -1,40 +1,22 @@
-/**
- * A step of a lesson at one moment: its two arms, the answer, and how far its reveal has gone. Figures, measures
+/** A step of a lesson at one moment: its two arms, the answer, and how far its reveal has gone. Figures, measures
  * and the card read it and nothing else. It touches no document.
- *
- * @typedef {import("../engine/world.js").Scene & {page?: {scene: string | null, layouts: string[],
- *   preset: string | null}}} Scene page: as viewimit's page names it, and the lab's preset; null where there is none
- * @import {Moment} from "../engine/session.js"
+ * @typedef {import("../engine/world.js").Scene & {page?: {scene: string | null, layouts: string[], preset: string |
+ * null}}} Scene page: as viewimit's page names it, and the lab's preset; null where there is none
+ * @import {Moment} from "../engine/session.js" @import {Camera} from "../engine/camera.js"
  * @typedef {[number, number]} Mark a place in a figure, in its unit
- * @typedef {{value: any, unit: string, text: string}} Measured value: a number,
- *   a place or a posture; text: with its unit
+ * @typedef {{value: any, unit: string, text: string}} Measured value: a number, a place or a posture; text: with its
+ * unit
  * @typedef {(stage: Stage) => Measured} Measure
- *
- * @typedef {Object} State where a step begins
- * @property {string} scene its key
- * @property {number} points
- * @property {string} transfer
- * @property {string} servo
- * @property {number[]} demonstrator rad
- * @property {number[]} start rad
- * @property {number} [noisePx]
- * @property {number} [missing]
- * @property {number} [seed]
- *
- * @typedef {{value: number, cameras: import("../engine/camera.js").Camera[]}[]} Variants the eyes at a slider's values
- * @typedef {{state: State, facts?: Record<string, Measured>, records?: Record<string, any>,
- *   variants?: Record<string, Variants>}} Sample one of those that the seed picks from, laid over the step's own
+ * @typedef {{scene: string, points: number, transfer: string, servo: string, demonstrator: number[], start:
+ * number[], noisePx?: number, missing?: number, seed?: number}} State where a step begins; scene: its key;
+ * demonstrator: rad; start: rad
+ * @typedef {{value: number, cameras: Camera[]}[]} Variants the eyes at a slider's
+ * values
+ * @typedef {{state: State, facts?: Record<string, Measured>, records?: Record<string, any>, variants?:
+ * Record<string, Variants>}} Sample one of those that the seed picks from, laid over the step's own
  * @typedef {{figure: string, show?: string[], reveal?: string[], hide?: string[]}} FigureUse
- * @typedef {Object} Slider
- * @property {string} name what it moves, see `Stage.slide`
- * @property {string} label
- * @property {number} low
- * @property {number} high
- * @property {number} start
- * @property {number} [step]
- * @property {string | null} [unit] null for no number at all
- * @property {boolean} [logarithmic]
- *
+ * @typedef {{name: string, label: string, low: number, high: number, start: number, step?: number, unit?: string |
+ * null, logarithmic?: boolean}} Slider name: what it moves, see `Stage.slide`; unit: null for no number at all
  * @typedef {{text: string, because: string, right?: boolean, belief?: string | null}} Choice
  * @typedef {Object} Ask fields beside `kind` and `question` as its kind has them
  * @property {"choice" | "place" | "pose" | "number" | "do" | "predict" | "bet"} kind
@@ -63,7 +45,6 @@
  * @property {number | null} [times] predict: rounds at most; bet: runs, one after the other
  * @property {{truth: string, near: number, because: string, belief?: string}[]} [elsewhere] place: other places,
  *   with a reply
- *
  * @typedef {Object} Step
  * @property {string} id
  * @property {string} title
@@ -86,40 +67,19 @@
  * @property {Record<string, any>} [records]
  * @property {Record<string, Variants>} [variants]
  * @property {Sample[] | null} [samples]
- *
- * @typedef {Object} Question one of the eight
- * @property {string} id
- * @property {string} text
- * @property {{text: string, because: string, right?: boolean, belief?: string | null}[]} answers
- * @property {string | null} [step] "lesson/step" that shows it
- *
- * @typedef {Object} Lesson
- * @property {string} name
- * @property {string} title
- * @property {string} short
- * @property {string} about
- * @property {number} minutes
- * @property {Question[] | null} [questions]
- * @property {Step[]} steps
- *
- * @typedef {Object} Page what all steps share
- * @property {Record<string, Scene>} scenes
- * @property {Record<string, number[][]>} hulls outermost vertices of links
- * @property {Record<string, string>} [glossary] sentences by term
- *
- * @typedef {Object} Answer the answer to a step
- * @property {number} [choice] from 0
- * @property {Mark} [place]
- * @property {number} [number]
- * @property {number[]} [pose] degrees
- * @property {number} [bet] 0 … 100 %
- * @property {boolean} [done] whether the goal was reached
- * @property {boolean} [shown] shown without an answer
- *
- * @typedef {{mark: Mark, from: Mark, to: Mark, knobs: number[], measure: number}} Round of predictions; from,
- *   to: of the
- *   ringed point; measure: of the ask, after the turn
- * @typedef {{theta: number[], E: number, probe: boolean, shown?: boolean}} Motion shown: by the page, not made by hand
+ * @typedef {{id: string, text: string, answers: {text: string, because: string, right?: boolean, belief?: string |
+ * null}[], step?: string | null}} Question one of the eight; step: "lesson/step" that shows it
+ * @typedef {{name: string, title: string, short: string, about: string, minutes: number, questions?: Question[] |
+ * null, steps: Step[]}} Lesson
+ * @typedef {{scenes: Record<string, Scene>, hulls: Record<string, number[][]>, glossary?: Record<string, string>}}
+ * Page what all steps share; hulls: outermost vertices of links; glossary: sentences by term
+ * @typedef {{choice?: number, place?: Mark, number?: number, pose?: number[], bet?: number, done?: boolean, shown?:
+ * boolean}} Answer the answer to a step; choice: from 0; pose: degrees; bet: 0 … 100 %; done: whether the goal was
+ * reached; shown: shown without an answer
+ * @typedef {{mark: Mark, from: Mark, to: Mark, knobs: number[], measure: number}} Round of predictions; from, to: of
+ * the ringed point; measure: of the ask, after the turn
+ * @typedef {{theta: number[], E: number, probe: boolean, shown?: boolean}} Motion shown: by the page, not made by
+ * hand
  * @typedef {{postures: number[][], E: number[], probes: boolean[], claim: Claim}} Race
  * @typedef {Object} Claim how a run ended
  * @property {string} status
@@ -127,7 +87,6 @@
  * @property {number[]} unobservable joints that the learner knows nothing of
  * @property {number | null} expectedOffDeg what the learner expects to be off; null if it does not say
  * @property {number[][]} swapped pairs of points that the learner takes to bear each other's names
- *
  * @typedef {Object} Figure a drawing in its box
  * @property {(stage: Stage, layers: Set<string>) => void} draw the whole of it, at most once a frame, with its text
  *   alternative
@@ -135,20 +94,20 @@
  * @property {(stage: Stage, at: [number, number]) => Mark | null} [unplace] the mark at px in the box; null outside
  * @property {() => void} [resize]
  * @property {() => void} [remove] before its box goes
- *
  * @typedef {Object} FigureKind
  * @property {string[]} layers that a lesson may name
  * @property {string} [title]
  * @property {"px" | "rad"} [unit] of its marks, px by default; maps have rad
  * @property {number} [aspect] width over height that suits it
  * @property {Record<string, string>} [legend] of layers, as HTML; equal ones stand once
- * @property {(box: HTMLElement, stage: Stage) => Figure} create
- */
+ * @property {(box: HTMLElement, stage: Stage) => Figure} create */
 import {stageMap} from "./maps.js";
-import {clamp, draws, geometry, recovered, SERVOS, Session, World} from "../engine/engine.js";
+import {clamp, DEGREE, draws, geometry, recovered, SERVOS, Session, World} from "../engine/engine.js";
 
-const DEGREE = Math.PI / 180;
 const RACE_GOAL = 3; // px², of E in a race whose step names no other
+/** How servos are drawn and named: role, name. @type {Record<string, [string, string]>} */
+export const RACERS = {"trust-region": ["learner", "trust region"], broyden: ["opponent", "Broyden"],
+  "gradient-retuned": ["plain", "gradient law"], gradient: ["plain", "the paper’s law"]};
 const MAX_MOTIONS = 200, MAX_RACE = 400;
 const KNOB_RAD = 20 * DEGREE, KNOB_GAINS = [.6, 1.2]; // rad of a joint at a knob's full turn, times these
 const SETTINGS = /** @type {const} */ ({noise_px: "noisePx", missing: "missing", seed: "seed", transfer: "transfer"});
@@ -182,8 +141,7 @@ export class Stage {
     this.chosen = step.chosen ?? 0;
     /** 0 before the answer, 1 after it; between, while the reveal is played. */
     this.reveal = 0;
-    /** @type {Answer} */
-    this.answer = {};
+    this.answer = /** @type {Answer} */ ({});
     /** @type {Mark | null} in the asking figure's unit */
     this.mark = null;
     /** @type {Record<string, Measured> | null} measures that judge the answer, as they were when the truth was shown */
@@ -202,8 +160,7 @@ export class Stage {
     this.bets = [];
     /** Called when something has changed that is drawn. */
     this.changed = () => {};
-    /** @type {Record<string, Race>} */
-    this.raced = {};
+    this.raced = /** @type {Record<string, Race>} */ ({});
     this.scene = page.scenes[this.state.scene];
     this.world = new World(this.scene, this.state.points);
     const {transfer, servo, demonstrator, start, noisePx, missing, seed: noise} = this.state;

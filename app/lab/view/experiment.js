@@ -1,12 +1,10 @@
 /** What the lab is about: a preset with its changes, its scene, the session, and the address that says it. */
-import {select, Session, World} from "../engine/engine.js";
-import {beginning, fromAddress, toAddress} from "./address.js";
-import {pageLink} from "./link.js";
+import {DEGREE, select, Session, World} from "../engine/engine.js";
+import {beginning, fromAddress, pageLink, toAddress} from "./address.js";
 
-const DEGREE = Math.PI / 180;
 
-/** @import {State} from "./address.js" @import {Moment} from "../engine/session.js" @import {Scene} from "./view.js"
- * @typedef {{scenes: Record<string, Scene>, presets: import("./address.js").Preset[]}} Offered */
+/** @import {State, Preset} from "./address.js" @import {Moment, Settings} from "../engine/session.js" @import {Scene} from "./view.js"
+ * @typedef {{scenes: Record<string, Scene>, presets: Preset[]}} Offered */
 
 export class Experiment {
   /** @param {Offered} offered @param {string} address */
@@ -156,7 +154,7 @@ export class Experiment {
     while (this.now.motion < end && this.session.step());
   }
 
-  /** @param {Partial<import("../engine/session.js").Settings>} changes */
+  /** @param {Partial<Settings>} changes */
   #begin(changes) {
     this.moves = [];
     this.session.begin({...this.session.settings, ...changes});

@@ -1,12 +1,9 @@
-/**
- * The four images as SVG: silhouettes, points, transferred points, residuals and the lines of the chosen point.
- *
- * @import {World} from "../engine/world.js"
- * @import {Moment} from "../engine/session.js"
+/** The four images as SVG: silhouettes, points, transferred points, residuals and the lines of the chosen point.
+ * @import {World} from "../engine/world.js" @import {Camera} from "../engine/camera.js" @import {Moment} from "../engine/session.js"
  * @import {Line} from "../engine/affine.js"
- * @typedef {Object} Construction of the chosen point: where noise of 1 px in l, r spreads it in L, R, and the steps to it
- * @property {{x: number, y: number, long: number, short: number, turn: number}[]} ellipses in L, R; px, turn in degrees
- * @property {number[][][] | null} steps in l, r, L, R: px
+ * @typedef {{ellipses: {x: number, y: number, long: number, short: number, turn: number}[], steps: number[][][] |
+ * null}} Construction of the chosen point: where noise of 1 px in l, r spreads it in L, R, and the steps to it;
+ * ellipses: in L, R; px, turn in degrees; steps: in l, r, L, R: px
  * @typedef {Object} Picture the contents of one frame
  * @property {Pick<Moment, "theta" | "thetaDemo" | "views" | "usable" | "fitted">} moment
  * @property {Float64Array} recovered (4 N) px, NaN where not usable
@@ -16,8 +13,7 @@
  * @property {number[][][] | null} [bones] the demonstrator's arm as it is transferred to L and R, px: null for none;
  *   computed from the moment if it is left out
  * @property {Construction | null} [construction]
- * @property {number} ease share of their way that the windows go to fit the drawing: 1 for the whole way at once
- */
+ * @property {number} ease share of their way that the windows go to fit the drawing: 1 for the whole way at once */
 import {projectPoint, transform} from "../engine/engine.js";
 import {add, drawingSize, drawingUnit, px, set} from "./svg.js";
 
@@ -35,6 +31,12 @@ const LAYERS = ["vi-goal", "vi-goal-bone", "vi-hull", "vi-bone", "vi-line", "vi-
 /** @param {Record<string, number[][]>} hulls outermost vertices of links, by their number */
 export const outermost = hulls => Object.entries(hulls).map(([link, vertices]) => ({link: Number(link), vertices}));
 
+/** The outline of each link in a drawing.
+ * @param {ReturnType<typeof outermost>} hulls @param {ArrayLike<number>[]} frames T_world_link
+ * @param {(p: number[]) => number[]} see from the world to the drawing */
+export const silhouettes = (hulls, frames, see) =>
+  hulls.map(({link, vertices}) => silhouette(vertices.map(v => see(transform(frames[link], v)))));
+
 /** A convex outline: the outermost points in sixteen directions. @param {number[][]} points @returns {number[][]} */
 export const silhouette = points => COMPASS.map(([a, b]) => {
   let best = points[0], most = -Infinity;
@@ -50,8 +52,7 @@ export class Outlines {
   /** @param {Record<string, number[][]>} hulls outermost vertices of links */
   constructor(hulls) {
     this.hulls = outermost(hulls);
-    /** @type {Record<string, {scene: World["scene"], key: string, outlines: Outline[]}>} */
-    this.known = {};
+    this.known = /** @type {Record<string, {scene: World["scene"], key: string, outlines: Outline[]}>} */ ({});
   }
 
   /** Silhouettes of the links and the line through their origins, in both images.
@@ -62,8 +63,7 @@ export class Outlines {
     if (known?.key === key && known.scene === world.scene) return known.outlines;
     const frames = world.arms[who].linkFrames(theta);
     const outlines = world.pairs[who].map(camera => ({
-      hulls: this.hulls.map(({link, vertices}) =>
-        silhouette(vertices.map(v => projectPoint(camera, transform(frames[link], v), NEAREST_M)))),
+      hulls: silhouettes(this.hulls, frames, p => projectPoint(camera, p, NEAREST_M)),
       bones: frames.map(T => projectPoint(camera, [T[3], T[7], T[11]], NEAREST_M)),
     }));
     this.known[name] = {scene: world.scene, key, outlines};
@@ -199,9 +199,8 @@ export class Images {
     return off > .3;
   }
 
-  /** @param {Images["views"][number]} view @param {import("../engine/camera.js").Camera} camera
-   * @param {Picture} picture @param {Outline} outline @param {Outline | null} ghost
-   * @param {Float64Array | null} goalImages @param {number[][] | null} bones */
+  /** @param {Images["views"][number]} view @param {Camera} camera @param {Picture} picture @param {Outline} outline
+   * @param {Outline | null} ghost @param {Float64Array | null} goalImages @param {number[][] | null} bones */
   #drawView(view, camera, {moment, recovered, lines, chosen, construction}, outline, ghost, goalImages, bones) {
     const {x, y, scale} = view.window, side = view.k & 1, isDemo = view.k < 2, {views} = moment;
     const images = isDemo ? views.demo : views.own, seen = isDemo ? views.demoSeen : views.ownSeen;

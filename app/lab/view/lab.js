@@ -11,15 +11,14 @@ import {Sliders} from "./sliders.js";
 import {energyText, say} from "./svg.js";
 import {outcome, residualText, stepsText, truth} from "./words.js";
 
-/** @import {State} from "./address.js" @import {Moment} from "../engine/session.js" */
+/** @import {State} from "./address.js" @import {Offered} from "./experiment.js" @import {View} from "./view.js" @import {Moment} from "../engine/session.js" */
 
 const MAX_PATH = 400; // postures drawn on the map
 const EASE = .2, HELD_EASE = .12; // share of their way that the images' windows go in a frame
 const REMEMBER_MS = 250, SAID_MS = 150, PLAYED_MS = 800; // until the address is written, and a sentence is announced
 
 export class Lab {
-  /** @param {import("./experiment.js").Offered} offered @param {import("./view.js").View} view
-   * @param {string} address */
+  /** @param {Offered} offered @param {View} view @param {string} address */
   constructor(offered, view, address) {
     this.view = view;
     this.experiment = new Experiment(offered, address);

@@ -1,13 +1,12 @@
 /** The landscape of E: shading and contours on a canvas, marks over it as SVG. */
-import {clamp} from "../engine/engine.js";
-import {add, drawingUnit, px, set} from "./svg.js";
+import {clamp, DEGREE} from "../engine/engine.js";
+import {add, drawingUnit, escaped, px, set} from "./svg.js";
 
 /** @typedef {Pick<import("../engine/landscape.js").Landscape, "axes" | "count" | "E" | "minimum" | "posture">} Ground
  */
 
 /** @typedef {{clientX: number, clientY: number}} Pointer */
 
-const DEGREE = Math.PI / 180;
 const LEVELS = [0.01, 0.1, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]; // px²
 const MAX_LEVELS = 7, RANGE = 2000, BRIGHTEST = 1000, DARKEST = 0.01; // E is shaded over this factor, up to these px²
 const NAME_PX = 7.2, NUMBER_PX = [10, 7]; // of a letter; half width and height of a contour's number
@@ -40,8 +39,8 @@ export class EnergyMap {
   /** @param {HTMLElement} box */
   constructor(box) {
     this.box = box;
-    this.canvas = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas"));
-    this.over = /** @type {SVGSVGElement} */ (box.querySelector("svg"));
+    this.canvas = box.querySelector("canvas") ?? box.appendChild(document.createElement("canvas"));
+    this.over = box.querySelector("svg") ?? add(box, "svg", {class: "vi lesson-drawing", role: "img"});
     this.image = document.createElement("canvas");
     /** @type {{lower: number[], upper: number[], joints: string[]}} */
     this.range = {lower: [0, 0], upper: [1, 1], joints: ["", ""]};
@@ -149,8 +148,7 @@ export class EnergyMap {
     const middle = this.place(landscape.minimum?.theta ?? landscape.posture(0));
     const corners = [[left, top], [right, top], [left, bottom], [right, bottom]], away = (/** @type {number[]} */ p) => Math.hypot(p[0] - middle[0], p[1] - middle[1]);
     const far = corners.reduce((a, b) => away(b) > away(a) ? b : a), ray = Math.atan2(far[1] - middle[1], far[0] - middle[0]);
-    /** @type {number[][]} */
-    const taken = [];
+    const taken = /** @type {number[][]} */ ([]);
     let labels = "";
     const levels = LEVELS.filter(v => Math.log(v) > least && Math.log(v) < most).slice(-MAX_LEVELS);
     this.drawn = {rows, columns, levels: levels.map(Math.log)};
@@ -176,6 +174,14 @@ export class EnergyMap {
     this.numbers = taken;
     this.#write(this.levels, labels);
     this.#axes();
+  }
+
+  /** Leave out the contours' numbers that something covers. @param {(box: [number, number, number, number]) => boolean} isFree */
+  clear(isFree) {
+    for (const level of this.levels.querySelectorAll(".vi-level")) {
+      const x = Number(level.getAttribute("x")), y = Number(level.getAttribute("y"));
+      level.classList.toggle("lesson-covered", !isFree([x - 13, y - 12, x + 13, y + 4]));
+    }
   }
 
   /** @param {SVGGElement} group @param {string} html */
@@ -269,6 +275,3 @@ function nice(low, high, most) {
   for (let k = Math.ceil((low - 1e-6) / step); k * step <= high + 1e-6; k++) found.push(k * step);
   return found;
 }
-
-/** A URDF names its joints as it likes. @param {string} text */
-const escaped = text => text.replace(/[&<>]/g, sign => `&#${sign.charCodeAt(0)};`);

@@ -1,4 +1,5 @@
 /** SVG elements whose attributes are rewritten in place, numbers as text, and the pace of what moves. */
+export {DEGREE} from "../engine/algebra.js";
 
 const NAMESPACE = "http://www.w3.org/2000/svg";
 
@@ -21,6 +22,9 @@ export function set(element, attributes) {
 export function say(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
+
+/** Text as HTML has it. @param {string} text */
+export const escaped = text => text.replace(/[&<>"]/g, sign => `&#${sign.charCodeAt(0)};`);
 
 /** With a real minus. @param {number} value @param {number} [digits] */
 export const fixed = (value, digits = 1) => value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1").replace("-", "−");

@@ -4,7 +4,7 @@
 import {fixed, px} from "../../view/svg.js";
 import {stageSmallest} from "../maps.js";
 import {short} from "../measured.js";
-import {farthest} from "./bowl.js";
+import {farthest} from "../../engine/engine.js";
 import {
   axis, circles, crossHair, dots, Drawing, legend, legendHeight, path, polyline, sketched, text, widthOf,
 } from "./drawing.js";

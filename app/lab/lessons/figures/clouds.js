@@ -2,7 +2,7 @@
  * @import {Stage, FigureKind} from "../stage.js"
  * @typedef {{world: Altered | null, key: string, lines: string}} Rings that were drawn last
  * @typedef {ReturnType<typeof scales>} Scales */
-import {Landscape} from "../../engine/engine.js";
+import {DEGREE, Landscape} from "../../engine/engine.js";
 import {contour} from "../../view/map.js";
 import {fixed, px} from "../../view/svg.js";
 import {Altered, smallest} from "../maps.js";
@@ -10,7 +10,7 @@ import {axis, circles, crosses, diamonds, dots, Drawing, legend, legendHeight, p
   within} from "./drawing.js";
 import {Names} from "./names.js";
 
-const DEGREE = Math.PI / 180, ROOM = 1.06; // of the posture that is farthest
+const ROOM = 1.06; // of the posture that is farthest
 const LEFT = 52, TOP = 26, RIGHT = 12, FOOT = 44; // units
 const STEPS = 60, RINGS = 7; // of the map within the drawing; lines of equal E
 const TITLES = {one: "one picture each time", averaged: "25 pictures averaged each time"};

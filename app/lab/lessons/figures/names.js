@@ -1,8 +1,7 @@
 /** Names in a drawing that cover neither each other nor what has to be seen.
- * @typedef {import("./plane.js").Box} Box in drawing units */
-import {px} from "../../view/svg.js";
-import {escaped, widthOf} from "./drawing.js";
-import {clipped} from "./plane.js";
+ * @typedef {Rectangle} Box in drawing units @import {Rectangle} from "./drawing.js" */
+import {escaped, px} from "../../view/svg.js";
+import {clipped, widthOf} from "./drawing.js";
 
 const SIDES = [[1, -1], [1, 1], [-1, -1], [-1, 1], [0, -1], [0, 1], [1, 0], [-1, 0]]; // of a place, for its name
 const MAX_RINGS = 8, RING = 14; // how far a name goes from its place, drawing units

@@ -63,8 +63,8 @@ class Gui(QuietHandle):
     def add_button_group(self, label, options, **_):
         return self._add(label, options=tuple(options), value=options[0])
 
-    def add_checkbox(self, label, initial_value, **_):
-        return self._add(label, value=initial_value)
+    def add_checkbox(self, label, initial_value, visible=True, **_):
+        return self._add(label, value=initial_value, visible=visible)
 
     def add_button(self, label, icon=None, disabled=False, visible=True, **_):
         return self._add(label, icon=icon, disabled=disabled, visible=visible)

@@ -175,7 +175,7 @@ class Presets:
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
 CLIENT_REPORTED = ("prefers_dark", "flat", "truth", "unseen")  # fields that the browser reports
 WINDOW = "window"  # instead of all tabs' names
-SWITCHES = ("goal", "rays", "residuals", "gizmo", "whole_frames", "rectified", "shadows")  # kept by their names
+SWITCHES = "goal", "rays", "residuals", "gizmo", "whole_frames", "rectified", "shadows", "details"  # kept by name
 SWITCHED = {name: name for name in (*SWITCHES, "flat", "dark", "look_only")}  # that the visitor sets
 
 
@@ -191,6 +191,7 @@ class View:
     whole_frames: bool = False
     rectified: bool = False
     shadows: bool = False
+    details: bool = False  # all numbers, what noise costs, the enlarged landscape, and poses to preview
     flat: bool = False  # a still picture instead of the 3-D view, as a browser without WebGL or speed asks for it
     dark: bool | None = None  # None: as the browser prefers
     prefers_dark: bool = False  # the browser's preference

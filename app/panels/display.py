@@ -28,6 +28,7 @@ SWITCHES = (
     ("Whole frames", "whole_frames"),
     ("Raw, rectified", "rectified"),
     ("Shadows", "shadows"),
+    ("Details", "details"),
     ("Still picture", "flat"),
     ("Dark", "dark"),
 )
@@ -167,11 +168,12 @@ def enlarge(layout: Layout, model: PageModel) -> None:
     """
     for tab in layout.upper_tabs:
         with tab:
-            layout.html(lambda model: _enlarge_links(model.view.large))
+            layout.html(lambda model: _enlarge_links(model.view.large, model.view.details))
 
 
-def _enlarge_links(large: str | None) -> str:
-    """Links that enlarge the panels, and which of them or of the images is large: layout.css does it."""
+def _enlarge_links(large: str | None, details: bool) -> str:
+    """Links that enlarge the panels, and which of them or of the images is large, and whether details are shown:
+    layout.css does it."""
     icon = f'<svg viewBox="-6 -6 12 12" aria-hidden="true"><path d="{LESS if large else MORE}"/></svg>'
     links = "".join(
         f'<div class="vi-enlarge vi-enlarge-{what}">{link(f"large/{LARGE.index(shown)}", name, icon)}</div>'
@@ -181,6 +183,7 @@ def _enlarge_links(large: str | None) -> str:
         )
     )
     mark = f'<i class="vi-large vi-large-{large}"></i>' if large else ""
+    mark += '<i class="vi-details"></i>' if details else ""
     return f'<div class="vi-larger-links">{links}</div>{mark}'
 
 

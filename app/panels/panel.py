@@ -206,9 +206,16 @@ class Layout:
         return self.value(handle, value, command, period=period)
 
     def checkbox(
-        self, label: str, value: Callable[[PageModel], bool], command: str, *first: Any, hint: str | None = None
+        self,
+        label: str,
+        value: Callable[[PageModel], bool],
+        command: str,
+        *first: Any,
+        hint: str | None = None,
+        visible: bool | Callable[[PageModel], bool] = True,
     ) -> Any:
-        handle = self.gui.add_checkbox(label, value(self._model), hint=hint)
+        handle = self.gui.add_checkbox(label, value(self._model), hint=hint, visible=self._first(visible))
+        self._bind_if_read(visible, lambda shown: put_properties(handle, visible=shown))
         return self.value(handle, value, command, *first)
 
     def slider(

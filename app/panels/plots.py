@@ -92,7 +92,12 @@ def landscape(layout: Layout, model: PageModel) -> None:
             layout.button(lambda model: ALONE if _compares(model) else COMPARE, "compare")
             layout.button(_starts_look, "starts", hint=STARTS)
             layout.checkbox(
-                "Preview the pose", lambda model: model.view.look_only, "switch", "look_only", hint=LOOK_ONLY
+                "Preview the pose",
+                lambda model: model.view.look_only,
+                "switch",
+                "look_only",
+                hint=LOOK_ONLY,
+                visible=lambda model: model.view.details or model.view.look_only,
             )
 
         def show_own(shown: bool) -> None:

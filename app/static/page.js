@@ -42,9 +42,7 @@ const handBack = () => {
   sentProblem = "";
   tellProblem();
 };
-const tellProblem = () => {
-  if (kept.problem !== sentProblem) act("unsaved", sentProblem = kept.problem);
-};
+const tellProblem = () => { if (kept.problem !== sentProblem) act("unsaved", sentProblem = kept.problem); };
 const keep = sent => {
   if (!sent) return;
   kept.take(sent);
@@ -100,7 +98,7 @@ document.addEventListener("click", event => {
 // A click in a field of a drawing stands for the values at its place: across, and up where it has a second range
 document.addEventListener("click", ({target, clientX, clientY}) => {
   const field = target.closest("[data-field]");
-  if (!field) return;
+  if (!field || performance.now() < settledAt) return;  // a click at what stood there before would go astray
   const {left, bottom, width, height} = field.getBoundingClientRect();
   const [from, to, low, high] = field.dataset.values.split(",").map(Number);
   const across = from + (to - from) * (clientX - left) / width, up = low + (high - low) * (bottom - clientY) / height;
@@ -155,7 +153,7 @@ const describe = () => {
 // What the stylesheet has to know of the whole page stands in classes of its root, and what holds a marker without having
 // a name of its own gets one. With :root:has(…) a browser would compute all of the page's style again for each drawing
 const root = document.documentElement;
-const ALONE = "waiting flat basin large large-figures large-l large-r large-L large-R";
+const ALONE = "waiting flat basin details large large-figures large-l large-r large-L large-R";
 const HELD = ALONE.split(" ").map(name => [`vi-has-${name}`, document.getElementsByClassName(`vi-${name}`)]);
 const FOUND = Object.entries({
   "vi-views-controls": "#vi-view-controls:checked",
@@ -175,8 +173,12 @@ const OF_MARKERS = [
   ["vi-stack", "vi-four", marker => marker.closest(".vi-above") ? null : marker.parentElement.parentElement],
   ["vi-before-tabs", "mantine-Tabs-root", marker => marker.parentElement.previousElementSibling],
 ].map(([name, marker, place]) => [name, document.getElementsByClassName(marker), place]);
+const SETTLES_MS = 400;  // after panels became large or small
+let settledAt = 0;
 const name = () => {
+  const wasLarge = root.classList.contains("vi-has-large");
   for (const [name, elements] of HELD) root.classList.toggle(name, elements.item(0) !== null);
+  if (wasLarge !== root.classList.contains("vi-has-large")) settledAt = performance.now() + SETTLES_MS;
   isFlat = root.classList.contains("vi-has-flat");
   for (const [name, selector] of FOUND) root.classList.toggle(name, document.querySelector(selector) !== null);
   for (const [name, markers, place] of OF_MARKERS)

@@ -110,7 +110,7 @@ def test_a_click_from_outside_is_where_it_is_drawn(opened):
     "step, figure, described",
     [
         ("minimum", "landscape", "Map of E"),
-        ("minimum", "biases", "times the distance 0.067°"),
+        ("minimum", "biases", "times the distance 0.066°"),
         ("crossing-angle", "crossing", "the lines from l and from r cross at 17.8°"),
         ("four-points", "matches", "10 matches: one minimum"),
     ],

@@ -61,6 +61,7 @@ VIEW = {
     "whole_frames": True,
     "rectified": True,
     "shadows": True,
+    "details": True,
     "dark": True,
     "prefers_dark": True,
     "help": True,

@@ -172,9 +172,9 @@ class LandscapePicture:
         else:
             inside = self._draw(landscape, snapshot)
         note = describe_costs(joints, std_per_px) if std_per_px is not None else ""
-        self._ground = (
-            plane.frame("vi-plane") + inside + plane.axes(note, contours or CONTOURS[snapshot.settings.sensor])
-        )
+        warns = std_per_px is not None and bool(unobservable_joints(std_per_px))
+        axes = plane.axes(note, contours or CONTOURS[snapshot.settings.sensor], warns=warns)
+        self._ground = plane.frame("vi-plane") + inside + axes
         self.html = plane.wrap(self._ground)
         self._path_labels = PathLabels(plane, self._labels)
 
@@ -259,7 +259,7 @@ class LandscapePicture:
         at = self._plane.place(centre)
         enlarged = tuple(middle[k] + (px - at[k]) * self._enlargement for k, px in enumerate((columns, rows)))
         contours = relief.fine_contours((enlarged[0], enlarged[1]), landscape.E[np.ix_(*near)])
-        self._above = _marks(self._zoomed(self._plane.place(np.stack([demo, lowest]))))
+        self._above = f'<g class="vi-detail">{_marks(self._zoomed(self._plane.place(np.stack([demo, lowest]))))}</g>'
         left, top = middle - side
         size = f'width="{INSET - 1}" height="{INSET - 1}" rx="3"'
         frame = f'<rect class="vi-inset" x="{left + 0.5:.1f}" y="{top + 0.5:.1f}" {size}/>'
@@ -289,7 +289,7 @@ class LandscapePicture:
         assert self._zoom is not None
         left, top = self._zoom[0] - INSET / 2
         place = f'x="{left:.1f}" y="{top:.1f}" width="{INSET}" height="{INSET}"'
-        return f'<svg {place} viewBox="{left:.1f} {top:.1f} {INSET} {INSET}">{inside}</svg>'
+        return f'<svg class="vi-detail" {place} viewBox="{left:.1f} {top:.1f} {INSET} {INSET}">{inside}</svg>'
 
 
 def _dot(place: NDArray[np.float64]) -> str:

@@ -145,10 +145,11 @@ class PosturePlane:
             ]
         )
 
-    def axes(self, note: str = "", contours: str = "E in px²", named: bool = True) -> str:
+    def axes(self, note: str = "", contours: str = "E in px²", named: bool = True, warns: bool = True) -> str:
         """Draw the axes: frame, ticks and names.
 
-        note: words below, at the right; contours: the quantity; named: whether "contours" stands before it.
+        note: words below, at the right; contours: the quantity; named: whether "contours" stands before it; warns:
+        whether the note is more than a detail.
         """
         left, top, w, h = self.box
         bottom = top + h
@@ -167,11 +168,12 @@ class PosturePlane:
             parts.append(svg.text(left - 7, np.clip(y + 4, 10, bottom), words, "vi-2nd vi-end"))
         parts.append(svg.text(left - 8, _widest_gap(up) + 4, self._joints[0], "vi-end"))
         caption = f"contours: {contours}" if named else contours
-        parts += self._below(bottom, caption, note, across)
+        parts += self._below(bottom, caption, note, across, "" if warns else " vi-detail")
         return f'<path class="vi-axis" d="{"".join(ticks)}"/>' + "".join(parts)
 
-    def _below(self, bottom: float, contours: str, note: str, numbers: list[float]) -> list[str]:
-        """Draw the line under the numbers: contours, name of the axis, note. numbers: their px.
+    def _below(self, bottom: float, contours: str, note: str, numbers: list[float], kind: str) -> list[str]:
+        """Draw the line under the numbers: contours, name of the axis, note. numbers: their px. kind: of the
+        note.
 
         The name moves sideways, or up between the numbers, if the line has no room in the middle.
         """
@@ -185,7 +187,7 @@ class PosturePlane:
         else:
             x, y = _widest_gap([left, left + w, *numbers]), bottom + 15
         words = [svg.text(begin, y_line := bottom + 29, contours, "vi-2nd"), svg.text(x, y, self._joints[1], "vi-mid")]
-        return [*words, svg.text(end, y_line, note, "vi-2nd vi-end")] if note else words
+        return [*words, svg.text(end, y_line, note, f"vi-2nd vi-end{kind}")] if note else words
 
 
 def _length(words: str) -> float:

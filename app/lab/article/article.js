@@ -15,8 +15,7 @@ const NEAR = "600px"; // from the window's edge
 
 /** @param {import("./frame.js").Data} data */
 export function begin(data) {
-  /** @type {Map<string, Frame>} */
-  const begun = new Map();
+  const begun = /** @type {Map<string, Frame>} */ (new Map());
   const sizes = new ResizeObserver(entries => entries.forEach(({target}) => begun.get(nameOf(target))?.measure()));
   const mount = (/** @type {HTMLElement} */ place) => {
     const name = nameOf(place);

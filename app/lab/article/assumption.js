@@ -1,11 +1,11 @@
 /** As if both stood alike: the bold assumption, with the ghost of the goal that the learner cannot see. */
-import {geometry, recovered, World} from "../engine/engine.js";
+import {DEGREE, geometry, recovered, World} from "../engine/engine.js";
+import {pulled, turned} from "../view/drag.js";
 import {Images} from "../view/images.js";
 import {energyText, fixed} from "../view/svg.js";
-import {DEGREE} from "./frame.js";
-import {imageOf, nearest, Overlay, pulled, sessionOf, turned} from "./views.js";
+import {imageOf, Overlay, sessionOf} from "./views.js";
 
-const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DEGREE], HAND = 8, GRIP_PX = 26;
+const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DEGREE], HAND = 8;
 
 /** @type {import("./frame.js").FigureKind} */
 export function assumption(frame, data) {
@@ -32,11 +32,10 @@ export function assumption(frame, data) {
   });
   frame.hint.textContent = "Drag the arm in picture L by a blue point, or use the slider.";
   frame.drag(boxes.L, event => {
-    const {views} = session.observe(theta), next = nearest(world, images, 2, event, views.own);
-    const [x, y] = images.under(event, 2), seen = imageOf(views.own, next, 2);
-    if (Math.hypot(seen[0] - x, seen[1] - y) * images.view(2).window.scale > GRIP_PX) return null;
-    point = next;
-    return pulled(world, images, 2, next, event, () => theta, place);
+    const hit = images.hit(event, session.observe(theta));
+    if (!hit || !world.body[hit.point].on) return null; // the base stays
+    point = hit.point;
+    return pulled(world, images, hit, event, () => theta, place);
   });
 
   Object.assign(boxes.L, {tabIndex: 0});

@@ -1,8 +1,7 @@
 /** E and its bowl: the map of E over both joints of the learner, and its arm in the posture that is touched. */
-import {recovered, World} from "../engine/engine.js";
+import {DEGREE, farthest, recovered, World} from "../engine/engine.js";
 import {Images} from "../view/images.js";
 import {energyText, fixed} from "../view/svg.js";
-import {DEGREE} from "./frame.js";
 import {Ground, KEYS} from "./ground.js";
 import {sessionOf} from "./views.js";
 
@@ -29,7 +28,6 @@ export function bowl(frame, data) {
   });
   frame.hint.textContent = "Drag the blue dot, the learner’s pose, over the map. "
     + "Drag the diamond to pose the demonstrator: the bowl goes with it.";
-  const off = (/** @type {number[]} */ from) => Math.max(...from.map((v, k) => Math.abs(v - demonstrator[k]))) / DEGREE;
 
   return {
     measure() {
@@ -41,7 +39,7 @@ export function bowl(frame, data) {
       ground.draw(demonstrator, theta);
       images.draw(world, {moment, recovered: recovered(moment), lines: [], chosen: 8, goal: true, ease: 1});
       frame.say(`E is <b>${energyText(moment.E)} px²</b> here.`, `The lowest E on the map is
-        <b>${energyText(minimum?.E ?? NaN)} px²</b>, and lies <b>${fixed(off(minimum?.theta ?? theta), 0)}°</b>
+        <b>${energyText(minimum?.E ?? NaN)} px²</b>, and lies <b>${fixed(farthest(minimum?.theta ?? theta, demonstrator), 0)}°</b>
         from the demonstrator’s pose.`);
     },
     state: () => {

@@ -1,18 +1,18 @@
 /** The crossing and its ellipse: two eyes give two lines, and a small angle between them makes the crossing uncertain.
  */
-import {Generator, geometry, World} from "../engine/engine.js";
+import {DEGREE, Generator, geometry, World} from "../engine/engine.js";
+import {spreadOf} from "../lessons/figures/crossing.js";
+import {diamonds} from "../lessons/figures/drawing.js";
 import {Images} from "../view/images.js";
 import {fixed} from "../view/svg.js";
-import {DEGREE} from "./frame.js";
-import {diamond, dot, imageOf, Overlay, sessionOf} from "./views.js";
+import {imageOf, Overlay, sessionOf} from "./views.js";
 
-/** @import {Fitted} from "../engine/transfers.js" */
+/** @import {Fitted} from "../engine/transfers.js" @import {FigureKind} from "./frame.js" */
 
 const POSE = [45 * DEGREE, -90 * DEGREE], HAND = 8, USUAL_CM = 60, USUAL_NOISE_PX = 1;
-const CHI2_95 = -2 * Math.log(.05); // 95 % quantile of χ² with two degrees of freedom
 const DRAWS = 100, SEED = 7, GRIP_PX = 28;
 
-/** @type {import("./frame.js").FigureKind} */
+/** @type {FigureKind} */
 export function crossing(frame, data) {
   const boxes = {
     l: frame.panel("l", "Picture <i>l</i>: drag the ringed point"), r: frame.panel("r", "Picture <i>r</i>: here, too"),
@@ -82,12 +82,8 @@ export function crossing(frame, data) {
     const all = geometry(now)?.lines(at, now.views.own.subarray(4 * HAND)) ?? [];
     const lines = all.filter(({into, from}) => into === 2 && from < 2);
     const angle = Math.asin(Math.min(1, Math.abs(lines[0].a * lines[1].b - lines[0].b * lines[1].a)));
-    const slopes = [0, 1, 2, 3].map(k => fitted.recover(at.map((v, i) => v + +(i === k))).map((v, i) => v - found[i]));
-    const [xx, xy, yy] = [[0, 0], [0, 1], [1, 1]].map(([i, j]) =>
-      slopes.reduce((sum, slope) => sum + slope[i] * slope[j], 0));
-    const mean = (xx + yy) / 2, radius = Math.hypot((xx - yy) / 2, xy), longest = mean + radius;
-    const halfAxes = [longest, Math.max((xx * yy - xy * xy) / longest, 0)].map(v => noise * Math.sqrt(CHI2_95 * v));
-    return {found, lines, angle, halfAxes, direction: Math.atan2(2 * xy, xx - yy) / 2, fitted, at};
+    const {halfAxes, direction} = spreadOf(fitted, at, noise)[0];
+    return {found, lines, angle, halfAxes, direction, fitted, at};
   };
 
   return {
@@ -99,8 +95,8 @@ export function crossing(frame, data) {
       over.l.marks("vi-mark", [at.slice(0, 2)]);
       over.r.marks("vi-mark", [at.slice(2)]);
       over.L.ellipse("vi-spread", found, halfAxes, direction);
-      over.L.marks("vi-draws", noise ? draws.map(n => fitted.recover(at.map((v, k) => v + noise * n[k]))) : [], dot);
-      over.L.marks("vi-found vi-over", [found], diamond);
+      over.L.marks("vi-draws", noise ? draws.map(n => fitted.recover(at.map((v, k) => v + noise * n[k]))) : []);
+      over.L.marks("vi-found vi-over", [found], points => diamonds(points, 4));
       frame.say(
         `The lines cross at <b>${fixed(angle / DEGREE)}°</b>.`,
         `With ${fixed(noise)} px of noise, 95 of 100 crossings lie in the ellipse.`,

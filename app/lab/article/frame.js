@@ -1,26 +1,16 @@
-/**
- * What every figure of the article is made of: panels with drawings, controls below them, and sentences with numbers.
- *
- * @import {Scene} from "../engine/world.js"
- * @import {Camera} from "../engine/camera.js"
+/** What every figure of the article is made of: panels with drawings, controls below them, and sentences with numbers.
+ * @import {Scene} from "../engine/world.js" @import {EnergyMap} from "../view/map.js" @import {Camera} from "../engine/camera.js"
  * @typedef {Object} Data what all figures share
  * @property {Scene} scene
  * @property {Scene} turned the same with a demonstrator that is turned
  * @property {Record<string, number[][]>} hulls outermost vertices of links
  * @property {{value: number, cameras: Camera[]}[]} distances of `turned`, times the first one
  * @property {{value: number, cameras: Camera[]}[]} baselines of `scene`, cm
- *
- * @typedef {Object} Figure
- * @property {() => void} measure the sizes of the panels have changed, or the colours
- * @property {() => void} draw
- * @property {() => Record<string, number | number[] | string>} state what it shows, for its still
- *
- * @typedef {(frame: Frame, data: Data) => Figure} FigureKind
- */
-import {make, track} from "../lessons/dom.js";
-import {draggable} from "../view/drag.js";
-
-export const DEGREE = Math.PI / 180;
+ * @typedef {{measure: () => void, draw: () => void, state: () => Record<string, number | number[] | string>}} Figure
+ * measure: the sizes of the panels have changed, or the colours; state: what it shows, for its still
+ * @typedef {(frame: Frame, data: Data) => Figure} FigureKind */
+import {make, slider} from "../lessons/dom.js";
+import {arrowKeys, draggable} from "../view/drag.js";
 
 let named = 0;
 
@@ -33,10 +23,8 @@ export class Frame {
     this.controls = make("div", {class: "controls"});
     this.hint = make("p", {class: "hint"});
     box.append(this.panels, this.controls, this.hint);
-    /** Maps, which are drawn on canvases. @type {import("../view/map.js").EnergyMap[]} */
-    this.maps = [];
-    /** @type {Figure | null} */
-    this.figure = null;
+    this.maps = /** @type {EnergyMap[]} */ ([]); // maps, which are drawn on canvases
+    this.figure = /** @type {Figure | null} */ (null);
     this.waits = false;
   }
 
@@ -61,19 +49,17 @@ export class Frame {
    * @param {number} what.step @param {number} what.value @param {(value: number) => string} what.text
    * @param {(value: number) => void} what.moved @param {string} [what.kind] whose it is: its class */
   slider({label, low, high, step, value, text, moved, kind = ""}) {
-    const input = make("input", {type: "range", min: low, max: high, step}), output = make("b", {class: "value"});
-    this.controls.append(make("label", {class: `slide ${kind}`}, make("span", {class: "name"}, label), input, output));
-    const show = (/** @type {number} */ shown) => {
-      if (Number(input.value) !== shown) input.value = String(shown);
-      track(input);
-      output.textContent = text(shown);
-      input.setAttribute("aria-valuetext", text(shown));
-    };
-    input.addEventListener("input", () => {
-      show(Number(input.value));
-      moved(Number(input.value));
+    const output = make("b", {class: "value"});
+    const {input, show: stand} = slider({label, low, high, step}, now => {
+      show(now);
+      moved(now);
       this.redraw();
     });
+    this.controls.append(make("label", {class: `slide ${kind}`}, make("span", {class: "name"}, label), input, output));
+    const show = (/** @type {number} */ shown) => {
+      output.textContent = text(shown);
+      stand(shown, text(shown));
+    };
     show(value);
     return {show, input};
   }
@@ -132,11 +118,8 @@ export class Frame {
   /** Arrow keys on a panel, with Shift five times as far.
    * @param {HTMLElement} panel @param {(right: number, up: number) => void} turn */
   arrows(panel, turn) {
-    panel.addEventListener("keydown", event => {
-      const move = {ArrowUp: [0, 1], ArrowDown: [0, -1], ArrowRight: [1, 0], ArrowLeft: [-1, 0]}[event.key];
-      if (!move || event.ctrlKey || event.metaKey || event.altKey) return;
-      event.preventDefault();
-      turn(move[0] * (event.shiftKey ? 5 : 1), move[1] * (event.shiftKey ? 5 : 1));
+    arrowKeys(panel, (right, up) => {
+      turn(right, up);
       this.redraw();
     });
   }

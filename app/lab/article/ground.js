@@ -1,17 +1,17 @@
 /** A map of E that can be touched: the learner's dot, and the demonstrator's diamond where that may be moved. */
 import {Landscape} from "../engine/engine.js";
 import {EnergyMap} from "../view/map.js";
-import {turned} from "./views.js";
+import {touchMap} from "../view/drag.js";
 
-/** @import {World} from "../engine/world.js" */
+/** @import {World} from "../engine/world.js" @import {Frame} from "./frame.js" */
 
 /** What a screen reader says of a map. */
 export const KEYS = "Map of E. Arrow keys turn the learner’s joints by 1 degree, with Shift by 5.";
 
-const STEP_DEG = 2, GRIP_PX = 16, FINGER_PX = 24;
+const STEP_DEG = 2;
 
 export class Ground {
-  /** @param {import("./frame.js").Frame} frame @param {HTMLElement} box @param {World} world */
+  /** @param {Frame} frame @param {HTMLElement} box @param {World} world */
   constructor(frame, box, world) {
     this.frame = frame;
     this.box = box;
@@ -20,8 +20,7 @@ export class Ground {
     this.world = world;
     this.landscape = new Landscape(world, STEP_DEG);
     this.isDue = true;
-    /** The demonstrator's posture that the landscape is of. */
-    this.key = "";
+    this.key = ""; // the demonstrator's posture that the landscape is of
   }
 
   /** @param {World} world */
@@ -42,9 +41,7 @@ export class Ground {
   }
 
   /** The size of the map or its colours have changed. */
-  measure() {
-    this.isDue = true;
-  }
+  measure() { this.isDue = true; }
 
   /** @param {number[]} demonstrator @param {number[]} learner @param {{theta: number[], probe: boolean}[]} [path] */
   draw(demonstrator, learner, path = []) {
@@ -61,25 +58,13 @@ export class Ground {
    * @param {() => number[]} learner @param {(theta: number[]) => void} place @param {() => number[]} demonstrator
    * @param {((theta: number[]) => void) | null} pose null where the demonstrator stays */
   touch(learner, place, demonstrator, pose) {
-    const {frame, box, map} = this, at = (/** @type {{clientX: number, clientY: number}} */ {clientX, clientY}) => {
-      const {left, top} = box.getBoundingClientRect();
-      return [(clientX - left) / map.unit, (clientY - top) / map.unit];
-    };
-    const posture = (/** @type {PointerEvent} */ event) => { const [x, y] = at(event); return map.posture(x, y); };
-    frame.drag(box, event => {
-      const from = at(event), near = event.pointerType === "touch" ? FINGER_PX : GRIP_PX;
-      const away = (/** @type {number[]} */ theta) => Math.hypot(...map.place(theta).map((v, k) => v - from[k]));
-      const isDemo = pose && away(demonstrator()) < near && away(learner()) > away(demonstrator());
-      box.focus({preventScroll: true});
-      if (event.pointerType === "touch" && !isDemo && away(learner()) > near) return null; // a swipe scrolls
-      if (!isDemo) place(posture(event));
-      return next => isDemo ? pose(posture(next)) : place(posture(next));
-    });
-    box.addEventListener("click", event => { // a tap
-      if (/** @type {PointerEvent} */ (event).pointerType !== "touch") return;
-      place(posture(/** @type {PointerEvent} */ (event)));
+    const {frame, box, map} = this, then = (/** @type {(theta: number[]) => void} */ act) => (/** @type {number[]} */ theta) => {
+      act(theta);
       frame.redraw();
+    };
+    box.addEventListener("pointerdown", () => box.focus({preventScroll: true}), true);
+    touchMap(map, (element, begin) => frame.drag(element, begin), {
+      learner, demonstrator, limits: () => this.world.scene, place: then(place), pose: pose && then(pose),
     });
-    frame.arrows(box, (right, up) => place(turned(learner(), right, up, this.world.scene)));
   }
 }

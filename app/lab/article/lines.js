@@ -1,12 +1,11 @@
 /** Two views and a line: a mark slides along its ray, stands still in one picture and walks along a line in the other.
- */
-import {geometry, projectPoint, World} from "../engine/engine.js";
+ * @import {FigureKind} from "./frame.js" */
+import {DEGREE, geometry, projectPoint, World} from "../engine/engine.js";
 import {twoCameras} from "../lessons/rays.js";
 import {Images} from "../view/images.js";
 import {Outside} from "../view/outside.js";
 import {fixed} from "../view/svg.js";
-import {DEGREE} from "./frame.js";
-import {imageOf, nearest, Overlay, sessionOf} from "./views.js";
+import {imageOf, Overlay, sessionOf} from "./views.js";
 
 const POSE = [45 * DEGREE, -90 * DEGREE], HAND = 8, GRIP_PX = 28;
 const TRAIL = 15, PLACES = 117; // dots of the trail; places on the ray that are tried under a finger
@@ -15,7 +14,7 @@ const AZIMUTH = -78 * DEGREE, ELEVATION = 22 * DEGREE; // from where the outside
 
 /** @typedef {[ArrayLike<number>, string]} Dot */
 
-/** @type {import("./frame.js").FigureKind} */
+/** @type {FigureKind} */
 export function lines(frame, data) {
   const world = new World(data.scene, 10), {now} = sessionOf(world, POSE, POSE), unseen = now.views.demo.map(() => NaN);
   const [l, beside] = twoCameras(world); // both arms stand alike: so L sees its own as `beside` sees the demonstrator
@@ -67,14 +66,12 @@ export function lines(frame, data) {
       move(shares.reduce((a, b) => away(b) < away(a) ? b : a));
     };
   });
-  for (const [box, view, seen] of /** @type {const} */ ([[boxes.l, 0, now.views.demo], [boxes.L, 2, now.views.own]]))
-    box.addEventListener("click", given => {
-      const event = /** @type {PointerEvent} */ (given), next = nearest(world, images, view, event, seen);
-      const [x, y] = images.under(event, view), at = imageOf(seen, next, view);
-      if (next === point || Math.hypot(at[0] - x, at[1] - y) * images.view(view).window.scale > GRIP_PX) return;
-      choose(next);
-      frame.redraw();
-    });
+  for (const box of [boxes.l, boxes.L]) box.addEventListener("click", event => {
+    const hit = images.hit(/** @type {PointerEvent} */ (event), now);
+    if (!hit || hit.point === point) return;
+    choose(hit.point);
+    frame.redraw();
+  });
   const seenNow = () => {
     const at = projectPoint(beside, place(share)), start = projectPoint(beside, place(1)), found = line();
     const off = found ? Math.abs(found.a * at[0] + found.b * at[1] + found.c) : NaN;

@@ -1,8 +1,7 @@
 /** Four points fit anything: the map of E with four points, with five, and with more. */
-import {recovered, World} from "../engine/engine.js";
+import {DEGREE, recovered, World} from "../engine/engine.js";
 import {Images} from "../view/images.js";
 import {energyText, fixed} from "../view/svg.js";
-import {DEGREE} from "./frame.js";
 import {Ground, KEYS} from "./ground.js";
 import {sessionOf} from "./views.js";
 

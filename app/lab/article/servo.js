@@ -1,10 +1,9 @@
 /** The servo feels its way: three laws that learn from their own steps, each from the same start. */
-import {recovered, World} from "../engine/engine.js";
+import {DEGREE, farthest, recovered, World} from "../engine/engine.js";
 import {Curve} from "../view/curve.js";
 import {Images} from "../view/images.js";
 import {energyText, fixed} from "../view/svg.js";
 import {SERVO_WORDS, told} from "../view/words.js";
-import {DEGREE} from "./frame.js";
 import {Ground, KEYS} from "./ground.js";
 import {sessionOf} from "./views.js";
 
@@ -71,7 +70,7 @@ export function servo(frame, data) {
       ground.draw(DEMONSTRATOR, now.theta, path);
       images.draw(world, {moment: now, recovered: recovered(now), lines: [], chosen: 8, goal: true, ease: 1});
       curve.draw(trace);
-      const off = Math.max(...now.theta.map((v, k) => Math.abs(v - DEMONSTRATOR[k]))) / DEGREE;
+      const off = farthest(now.theta, DEMONSTRATOR);
       const ended = now.motion >= MAX_STEPS ? "max-motions" : now.status;
       const {label, says, dot} = told(ended, {steps: now.motion, E: now.E, seen: now.usable.length});
       frame.say(

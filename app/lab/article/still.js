@@ -24,8 +24,7 @@ function groundOf(map, id) {
   const area = (/** @type {number} */ x, /** @type {number} */ y) => // with the same border on each side
     `x="${px(left - x)}" y="${px(top - y)}" width="${px(right - left + 2 * x)}" height="${px(bottom - top + 2 * y)}"`;
   const d = levels.map(level => {
-    /** @type {string[]} */
-    const parts = [];
+    const parts = /** @type {string[]} */ ([]);
     const at = (/** @type {number} */ x, /** @type {number} */ y) =>
       `${px(left + x * stepX)} ${px(bottom - y * stepY)}`;
     contour(map.z, rows, columns, level, (x0, y0, x1, y1) => { parts.push(`M${at(x0, y0)}L${at(x1, y1)}`); });

@@ -1,8 +1,8 @@
 /** Sliders that move nothing until Go, which turns all joints at once, and the glide of what is played. */
 import {make} from "../lessons/dom.js";
-import {smoothstep} from "../view/svg.js";
+import {DEGREE, smoothstep} from "../view/svg.js";
 
-const DEGREE = Math.PI / 180, STILL = 1e-9; // rad that a joint is not moved
+const STILL = 1e-9; // rad that a joint is not moved
 const still = typeof matchMedia === "undefined" ? {matches: true} : matchMedia("(prefers-reduced-motion: reduce)");
 
 /** Play something from 0 to 1, or show its end at once where nothing may move.
@@ -37,10 +37,8 @@ export class Joints {
   /** @param {HTMLElement} box @param {{name: string, low: number, high: number}[]} joints rad
    * @param {(theta: number[]) => void} go @param {...HTMLElement} beside Go */
   constructor(box, joints, go, ...beside) {
-    /** Where the sliders stand, and the arm, rad. @type {number[]} */
-    this.target = [];
-    /** @type {number[]} */
-    this.stands = [];
+    this.target = /** @type {number[]} */ ([]); // where the sliders stand, and the arm, rad
+    this.stands = /** @type {number[]} */ ([]);
     this.isLocked = this.isMoving = false;
     this.button = make("button", {type: "button", class: "filled go", onclick: () => this.#go(go)}, "Go");
     this.rows = joints.map(({name, low, high}, k) => {
@@ -75,9 +73,7 @@ export class Joints {
   }
 
   /** @param {(theta: number[]) => void} go */
-  #go(go) {
-    if (this.#isReady) go([...this.target]);
-  }
+  #go(go) { if (this.#isReady) go([...this.target]); }
 
   /** The arm stands somewhere; a slider that was not set goes with it.
    * @param {number[]} theta rad @param {boolean} isMoving whether the arm is on its way
@@ -91,9 +87,7 @@ export class Joints {
   }
 
   /** Forget what was set. */
-  reset() {
-    this.target = this.stands = [];
-  }
+  reset() { this.target = this.stands = []; }
 
   #show() {
     this.rows.forEach(({input, mark, share}, k) => {

@@ -1,18 +1,11 @@
-/**
- * The rules of a challenge, without a document: what is offered, the robot's steps, the link.
- *
+/** The rules of a challenge, without a document: what is offered, the robot's steps, the link.
  * @import {World} from "../engine/world.js"
  * @typedef {"easy" | "points" | "blindfold"} Level what the player sees
- * @typedef {Object} Challenge
- * @property {number[]} demonstrator rad, whole degrees
- * @property {number[]} start rad, whole degrees
- * @property {Level} level
- * @property {string} by who made it, "" if that is not said
- * @property {string} day 2026-11-28 of a daily one, "" otherwise
- */
-import {draws, Session} from "../engine/engine.js";
+ * @typedef {{demonstrator: number[], start: number[], level: Level, by: string, day: string}} Challenge
+ * demonstrator: rad, whole degrees; start: rad, whole degrees; by: who made it, "" if that is not said; day:
+ * 2026-11-28 of a daily one, "" otherwise */
+import {DEGREE, draws, Session} from "../engine/engine.js";
 
-const DEGREE = Math.PI / 180;
 
 /** How far off the referee still says "There", and how many steps may be made. @type {Record<Level, {title: string, says: string, withinDeg: number, tries: number}>} */
 export const LEVELS = {

@@ -8,18 +8,14 @@ import {stepsText} from "../view/words.js";
 import {Game, plainName} from "./game.js";
 import {between, Joints, play} from "./joints.js";
 import {Played} from "./played.js";
-import {levelButtons} from "./levels.js";
+import {levelButtons} from "./maker.js";
 import {daily, drawChallenge, fromLink, POINTS, toLink} from "./rules.js";
 
-/**
- * @import {Challenge, Level} from "./rules.js"
- * @typedef {{scene: import("../engine/world.js").Scene, hulls: Record<string, number[][]>}} Robot
- * @typedef {Object} Ways out of the game
- * @property {(challenge: Challenge) => string} address to share, "" for none
- * @property {(challenge: Challenge, steps: number) => void} robot
- * @property {(challenge: Challenge) => void} friend
- * @property {() => void} [changed] the game has gone on
- */
+/** @import {Challenge, Level} from "./rules.js" @import {Scene} from "../engine/world.js"
+ * @typedef {{scene: Scene, hulls: Record<string, number[][]>}} Robot
+ * @typedef {{address: (challenge: Challenge) => string, robot: (challenge: Challenge, steps: number) => void,
+ * friend: (challenge: Challenge) => void, changed?: () => void}} Ways out of the game; address: to share, "" for
+ * none; changed: the game has gone on */
 const GLIDE_MS = 450, MAX_SEED = 2 ** 31, FULL_PX = 30; // px at which the meter is full
 const HELD = [6, 12]; // poses, on a grid over both joints, whose points fit into the windows of L and R
 const NOTHING = new Float64Array(4 * POINTS).fill(NaN); // before the end: diamonds and arrows do not show the way
@@ -39,10 +35,8 @@ export class Screen {
     this.ways = ways;
     this.world = new World(scene, POINTS);
     this.played = new Played();
-    /** @type {Game | null} */
-    this.game = null;
-    /** Brings the arm to the end of its glide. @type {(() => void) | null} */
-    this.stop = null;
+    this.game = /** @type {Game | null} */ (null);
+    this.stop = /** @type {(() => void) | null} */ (null); // brings the arm to the end of its glide
     this.isMoving = false;
     this.lost = 0; // games, one after the other
     const views = Object.fromEntries(VIEWS.map(view => [view, make("div")]));
@@ -104,6 +98,7 @@ export class Screen {
     say(this.words.task, `${wrong}${whose} Copy it in fewer steps than the robot: ${game.robot ?? "–"}.`);
     say(this.words.rule, `Set both joints, press Go: one step. Within ${withinDeg}° you are there. ${says}`);
     for (const element of [this.said, this.words.change]) say(element, "");
+    say(this.verdict, "Not over yet");
     this.joints.reset();
     this.images.measure();
     this.draw();

@@ -118,6 +118,17 @@ export function solve(A, b) {
   return x;
 }
 
+export const DEGREE = Math.PI / 180;
+
+/** Degrees, of the joint that is farthest. @param {ArrayLike<number>} a @param {ArrayLike<number>} b rad */
+export const farthest = (a, b) => Math.max(...Array.from(a, (v, k) => Math.abs(v - b[k]))) / DEGREE;
+
+/** @typedef {[number, number, number]} Vector @param {ArrayLike<number>} a @param {ArrayLike<number>} b @returns {Vector} */
+export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+
+/** Of length 1. @param {number[]} v */
+export const unit = v => v.map(x => x / Math.hypot(...v));
+
 /** @param {ArrayLike<number>} a @param {ArrayLike<number>} b */
 export function dot(a, b) {
   let sum = 0;

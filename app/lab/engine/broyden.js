@@ -3,7 +3,7 @@
  * One probe of each joint makes a first J. Then the posture with the smallest predicted E inside a trust region is
  * visited. The E measured there sizes the region, and the motion itself improves J. The best posture visited is the
  * centre c. */
-import {dot, largest} from "./algebra.js";
+import {DEGREE, dot, largest} from "./algebra.js";
 import {minimise} from "./minimise.js";
 import {conflict as energyOf} from "./transfers.js";
 
@@ -16,7 +16,6 @@ import {conflict as energyOf} from "./transfers.js";
  * predicted: number | null}} BroydenState bestE: null where it must be asked for; probes: joints still to probe;
  * predicted: decrease of E of the motion just made, null after a probe */
 
-const DEGREE = Math.PI / 180;
 const PROBE_RAD = 15 * DEGREE;
 const FIRST_RADIUS_RAD = 25 * DEGREE, MAX_RADIUS_RAD = 45 * DEGREE, MIN_RADIUS_RAD = 0.02 * DEGREE;
 const MIN_STEP_RAD = 0.1 * DEGREE; // a shorter motion is not worth making

@@ -6,6 +6,7 @@
  * number, distortion?: [Radial, Radial]}} Camera rotation: R_world_camera, 9 numbers row by row; centre: of
  * projection, m; focal, principal: (x, y) px; distortion: of the lens, and the part of it that was removed from the
  * images. Only replays have it @typedef {[Camera, Camera]} Pair left and right camera */
+import {dot} from "./algebra.js";
 
 const MAX_STRETCH = 1024, HALVINGS = 50; // of the search for an undistorted radius
 
@@ -66,18 +67,13 @@ function inverseFactor(by, square) {
  * @param {Camera} camera @param {number} x px @param {number} y px @param {number} depth m */
 export const backProject = (camera, x, y, depth) => ray(camera, x, y).map((v, i) => camera.centre[i] + depth * v);
 
-/**
- * Where the two rays of a point pass nearest to each other: the midpoint. It is drawn in the scene, and the learner has
- * no use of it.
- *
- * @param {Pair} pair
- * @param {ArrayLike<number>} image x, y in the left image, x, y in the right one, px
- * @returns {number[]} m
- */
+/** Where the two rays of a point pass nearest to each other: the midpoint. It is drawn in the scene, and the learner
+ * has no use of it.
+ * @param {Pair} pair @param {ArrayLike<number>} image x, y in the left image, x, y in the right one, px
+ * @returns {number[]} m */
 export function triangulate([left, right], image) {
   const a = ray(left, image[0], image[1]), b = ray(right, image[2], image[3]), base = right.centre.map((c, i) => c - left.centre[i]);
-  const product = (/** @type {number[]} */ p, /** @type {number[]} */ q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-  const aa = product(a, a), ab = product(a, b), bb = product(b, b), pa = product(a, base), pb = product(b, base);
+  const aa = dot(a, a), ab = dot(a, b), bb = dot(b, b), pa = dot(a, base), pb = dot(b, base);
   const half = 0.5 / (aa * bb - ab * ab), s = half * (bb * pa - ab * pb), t = half * (ab * pa - aa * pb);
   return a.map((_, i) => s * a[i] + t * b[i] + 0.5 * (left.centre[i] + right.centre[i]));
 }

@@ -4,7 +4,7 @@
  * its print lacks. The constants of Section 5.3 are read in degrees and px². The paper gives no first covariance, no
  * bound of the step and no excitation. Without excitation the covariance grows along the directions in which the arm
  * does not move (windup), and amplifies rounding errors: after some 130 motions no two programs agree any more. */
-import {clamp, dot} from "./algebra.js";
+import {clamp, DEGREE, dot} from "./algebra.js";
 import {Generator} from "./random.js";
 
 /** @import {Servo, ServoState, ServoStatus} from "./servo.js" */
@@ -14,7 +14,6 @@ import {Generator} from "./random.js";
  * @typedef {ServoState & {jacobian: number[], covariance: number[][], displacement: number[], E: number, bestE:
  * number, sinceBest: number}} GradientState */
 
-const DEGREE = Math.PI / 180;
 const MAX_MOTIONS_WITHOUT_PROGRESS = 30, PROGRESS = 0.99; // E must fall to this share of its least
 
 /** Sec. 5.3 and Eq. (14). P_0 is not given there. @type {Constants} */

@@ -72,17 +72,11 @@ export class Arm {
 
 const ROUNDS = 12, DIFFERENCE_RAD = 1e-4, MAX_STEP_RAD = 0.4;
 
-/**
- * Inverse kinematics: the posture within the limits that brings something nearest to a target, by damped least
+/** Inverse kinematics: the posture within the limits that brings something nearest to a target, by damped least
  * squares. A joint that is pushed against its limit is left out, or the others would overshoot.
- *
  * @param {(theta: number[]) => number[]} place coordinates of that something, m or px
- * @param {number[]} target the coordinates it should have
- * @param {number[]} theta where the search begins
- * @param {number[]} lower
- * @param {number[]} upper
- * @returns {number[]}
- */
+ * @param {number[]} target the coordinates it should have @param {number[]} theta where the search begins
+ * @param {number[]} lower @param {number[]} upper @returns {number[]} */
 export function reachFor(place, target, theta, lower, upper) {
   for (let round = 0; round < ROUNDS; round++) {
     const here = place(theta), e = target.map((v, i) => v - here[i]);

@@ -2,14 +2,18 @@
  * is for people: a servo cannot see it.
  *
  * The learner's images do not depend on the demonstrator: they are projected once, and a new landscape needs transfers
- * only. Noise and lost points spoil the demonstrator's images alone. */
+ * only. Noise and lost points spoil the demonstrator's images alone.
+ * @import {World} from "./world.js" */
 import {scatter} from "./affine.js";
+import {clamp} from "./algebra.js";
 import {MIN_POINTS} from "./session.js";
 import {conflict, residual, TRANSFERS} from "./transfers.js";
 import {seenTwice, select} from "./world.js";
 
+const MAX_ROUNDS = 24, NARROWER = 4, FINEST_RAD = .002 * Math.PI / 180; // of the search for the lowest E
+
 export class Landscape {
-  /** @param {import("./world.js").World} world of two moving joints @param {number} stepDeg */
+  /** @param {World} world of two moving joints @param {number} stepDeg */
   constructor(world, stepDeg) {
     const {lower, upper} = world.scene;
     this.world = world;
@@ -57,6 +61,15 @@ export class Landscape {
     return least < 0 ? null : {theta: this.posture(least), E: this.E[least]};
   }
 
+  /** The lowest E between the grid's postures too, by a parabola; null where E is nowhere known. */
+  get lowest() {
+    const {minimum, axes: [first, second], E, world: {scene}} = this, step = [first[1] - first[0], second[1] - second[0]];
+    return minimum && lowestNear(minimum.theta, step, theta => {
+      const [i, j] = theta.map((v, k) => Math.round((v - scene.lower[k]) / step[k]));
+      return E[i * second.length + j];
+    }, scene);
+  }
+
   /** @param {string} transfer @param {Float64Array} images @param {number[]} usable @param {number} g */
   #energyOfSome(transfer, images, usable, g) {
     const size = 4 * this.world.body.length, demo = select(images, usable);
@@ -92,4 +105,50 @@ export class Landscape {
     }
     this.table.filled = Math.max(this.table.filled, to);
   }
+}
+
+/** E of one posture, px²; NaN where too few points are seen.
+ * @param {World} world @param {string} transfer @param {import("./world.js").Look} demo @param {number[]} theta */
+export function energyAt(world, transfer, demo, theta) {
+  const points = matched(world, demo, theta);
+  return points ? conflict(residual(TRANSFERS[transfer].fit(points.demo, points.own), points.demo, points.own)) : NaN;
+}
+
+/** The images of the points that all four views show; null if these are too few.
+ * @param {World} world @param {import("./world.js").Look} demo @param {number[]} theta */
+export function matched(world, demo, theta) {
+  const own = world.look("learner", theta), shown = seenTwice(own.seen), both = seenTwice(demo.seen).filter(i => shown.includes(i));
+  return both.length < Math.min(MIN_POINTS, world.body.length) ? null
+    : {demo: select(demo.images, both), own: select(own.images, both)};
+}
+
+/** The posture within the limits where a function of it is smallest, from one that is near: Newton steps on ever closer
+ * postures, a step of them at most. @param {(theta: number[]) => number} of @param {number[]} theta rad
+ * @param {number} step rad, of the first ones @param {{lower: number[], upper: number[]}} limits */
+export function lowest(of, theta, step, limits) {
+  for (let round = 0; round < MAX_ROUNDS && step > FINEST_RAD; round++) {
+    const next = lowestNear(theta, [step, step], of, limits), moved = Math.max(...next.map((v, k) => Math.abs(v - theta[k])));
+    theta = next;
+    if (moved < .99 * step) step /= NARROWER;
+  }
+  return theta;
+}
+
+/** The lowest place of the paraboloid through nine postures: one Newton step, which must not lead farther than they do.
+ * @param {number[]} theta rad @param {number[]} step rad, from each of the nine to the next
+ * @param {(theta: number[]) => number} energyAt @param {{lower: number[], upper: number[]}} limits
+ * @returns {number[]} */
+function lowestNear(theta, step, energyAt, {lower, upper}) {
+  const middle = theta.map((v, k) => clamp(v, lower[k] + step[k], upper[k] - step[k]));
+  const at = (/** @type {number} */ i, /** @type {number} */ j) => middle.map((v, k) => v + [i, j][k] * step[k]);
+  const around = [-1, 0, 1].map(i => [-1, 0, 1].map(j => energyAt(at(i, j))));
+  const [[a, b, c], [d, e, f], [g, h, i]] = around;
+  const slope = [(h - b) / 2, (f - d) / 2], bend = [b - 2 * e + h, d - 2 * e + f], twist = (a - c - g + i) / 4;
+  const determinant = bend[0] * bend[1] - twist ** 2;
+  if (bend[0] > 0 && determinant > 0) {
+    const by = [(twist * slope[1] - bend[1] * slope[0]) / determinant, (twist * slope[0] - bend[0] * slope[1]) / determinant];
+    return at(clamp(by[0], -1, 1), clamp(by[1], -1, 1));
+  }
+  const least = Math.min(...around.flat().filter(Number.isFinite)), k = around.flat().indexOf(least);
+  return k < 0 ? theta : at(Math.floor(k / 3) - 1, k % 3 - 1);
 }

@@ -1,16 +1,11 @@
-/**
- * The loop of the paper, as a session that can be posed, stepped, undone and reset:
+/** The loop of the paper, as a session that can be posed, stepped, undone and reset:
  *
  *     posture → body points → four views → transfer → recovered points → residual e → E → servo → next posture
  *
  * Every pass leaves one moment, which is never changed: pictures and texts read only that.
- *
- * @import {Views} from "./world.js"
- * @import {Fitted} from "./transfers.js"
- * @import {ServoState} from "./servo.js"
- * @typedef {"ready" | "too-few-points" | import("./servo.js").ServoStatus} Status ready: no motion was made yet; too-few-points:
- *   too few points are seen in all four images
- *
+ * @import {Views, World} from "./world.js" @import {Fitted} from "./transfers.js" @import {ServoState, ServoStatus, Conflict} from "./servo.js"
+ * @typedef {"ready" | "too-few-points" | ServoStatus} Status ready: no motion was made yet;
+ * too-few-points: too few points are seen in all four images
  * @typedef {Object} Moment
  * @property {number} motion how many were made until then
  * @property {number} look how often the learner had looked at itself
@@ -26,18 +21,11 @@
  * @property {ServoState | null} servoState null before the servo was asked
  * @property {number | null} lag looks that images come late, null until a motion has shown it
  * @property {Fitted | null} frozen the transfer as it was fitted when the servo last rested at a minimum
- *
- * @typedef {Object} Settings
- * @property {string} transfer of TRANSFERS
- * @property {string} servo of SERVOS
- * @property {number[]} demonstrator rad
- * @property {number[]} start rad
- * @property {number} [noisePx]
- * @property {number} [missing] share of points that an image does not show
- * @property {number} [seed]
- */
+ * @typedef {{transfer: string, servo: string, demonstrator: number[], start: number[], noisePx?: number, missing?:
+ * number, seed?: number}} Settings transfer: of TRANSFERS; servo: of SERVOS; demonstrator: rad; start: rad; missing:
+ * share of points that an image does not show */
 import {EpipolarGeometry} from "./affine.js";
-import {clamp} from "./algebra.js";
+import {clamp, DEGREE} from "./algebra.js";
 import {mirrorFinder} from "./handedness.js";
 import {SERVOS} from "./servo.js";
 import {conflict as energyOf, residual, TRANSFERS} from "./transfers.js";
@@ -45,14 +33,12 @@ import {MAX_LOOKS_WAITED, Observer, seenTwice, select} from "./world.js";
 
 export const MIN_POINTS = 5; // with four, any images fit: E would be 0 everywhere
 const MAX_HISTORY = 200, MAX_TRACE = 3000; // snapshots that can be undone; postures and E that are remembered
-const DEGREE = Math.PI / 180;
 
 export class Session {
-  /** @param {import("./world.js").World} world @param {Settings} settings */
+  /** @param {World} world @param {Settings} settings */
   constructor(world, settings) {
     this.world = world;
-    /** A body of four points shows what becomes of E then. */
-    this.minPoints = Math.min(MIN_POINTS, world.body.length);
+    this.minPoints = Math.min(MIN_POINTS, world.body.length); // a body of four points shows what becomes of E then
     this.settings = this.#complete(settings);
     this.observer = this.#observer();
     this.history = [this.#first()];
@@ -68,9 +54,7 @@ export class Session {
     this.trace = [traced(this.now)];
   }
 
-  get now() {
-    return this.history[this.history.length - 1];
-  }
+  get now() { return this.history[this.history.length - 1]; }
 
   /** Ask the servo, move, look. False if the servo rests, or the arm must hold still. */
   step() {
@@ -180,15 +164,14 @@ export class Session {
     return {own: views.own, seen: views.ownSeen, E, displacement: from(theta), lower: from(lower), upper: from(upper), motion};
   }
 
-  /** What the servo may ask about images that it predicts. @param {Moment} now @returns {import("./servo.js").Conflict} */
+  /** What the servo may ask about images that it predicts. @param {Moment} now @returns {Conflict} */
   #predictedConflict({views, frozen}) {
     const drift = this.#drift(), demo = drift ? views.demo.map((v, i) => v + drift[i]) : views.demo;
     const shown = seenTwice(views.demoSeen), transfer = TRANSFERS[this.settings.transfer], {noisePx} = this.observer;
     const bodies = [[views.demo, shown], [views.own, seenTwice(views.ownSeen)]];
     const matches = Float64Array.from(bodies.flatMap(([images, points]) =>
       [...select(/** @type {Float64Array} */ (images), /** @type {number[]} */ (points))]));
-    /** @type {Map<string, ReturnType<typeof mirrorFinder>>} */
-    const mirrors = new Map();
+    const mirrors = /** @type {Map<string, ReturnType<typeof mirrorFinder>>} */ (new Map());
     return images => {
       const known = shown.filter(i => images.every(own => own.subarray(4 * i, 4 * i + 4).every(Number.isFinite)));
       if (known.length < this.minPoints) return {residuals: images.map(() => Float64Array.of(Infinity)), count: 1};

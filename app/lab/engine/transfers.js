@@ -1,18 +1,13 @@
-/**
- * Transfers: from the demonstrator's points in [l], [r] to where they would be in the learner's own views [L], [R], if
+/** Transfers: from the demonstrator's points in [l], [r] to where they would be in the learner's own views [L], [R], if
  * both arms were in the same pose. And what the learner makes of them: residuals, and the conflict E.
- *
- * @typedef {Object} Fitted a transfer that was fitted to matched points
- * @property {(images: Float64Array) => Float64Array} recover (4 M) px in [l], [r] → (4 M) px in [L], [R]
- * @property {number} condition how far its linear system amplifies errors
- *
- * @typedef {{own: Float64Array, scatters: Float64Array}} Grid centred own images of many postures, (4 N) px each, and
- *   their scatter matrices, 4 x 4 each
- *
- * @typedef {Object} Transfer
- * @property {(demo: Float64Array, own: Float64Array) => Fitted} fit of points that all four views show, (4 N) px each
- * @property {(demo: Float64Array) => (grid: Grid, posture: number) => number} energies E of every posture of a grid
- */
+ * @typedef {{recover: (images: Float64Array) => Float64Array, condition: number}} Fitted a transfer that was fitted
+ * to matched points; recover: (4 M) px in [l], [r] → (4 M) px in [L], [R]; condition: how far its linear system
+ * amplifies errors
+ * @typedef {{own: Float64Array, scatters: Float64Array}} Grid centred own images of many postures, (4 N) px each,
+ * and their scatter matrices, 4 x 4 each
+ * @typedef {{fit: (demo: Float64Array, own: Float64Array) => Fitted, energies: (demo: Float64Array) => (grid: Grid,
+ * posture: number) => number}} Transfer fit: of points that all four views show, (4 N) px each; energies: E of every
+ * posture of a grid */
 import {epipolar} from "./epipolar.js";
 import {linear} from "./linear.js";
 import {projective} from "./projective.js";

@@ -1,10 +1,6 @@
-/**
- * Two arms of the same build and a stereo head: postures in, image points out, with noise and lost points from a seed.
- *
- * @import {Joint, Link, BodyPoint} from "./kinematics.js"
- * @import {Camera} from "./camera.js"
+/** Two arms of the same build and a stereo head: postures in, image points out, with noise and lost points from a seed.
+ * @import {Joint, Link, BodyPoint} from "./kinematics.js" @import {Camera, Pair} from "./camera.js"
  * @typedef {"demonstrator" | "learner"} Who
- *
  * @typedef {Object} Scene what Python writes, to the last digit; angles in rad, lengths in m
  * @property {string} title
  * @property {string[]} joints symbols of the moving joints
@@ -19,12 +15,11 @@
  * @property {Camera[]} cameras of the views l, r, L, R
  * @property {Record<string, BodyPoint[]>} layouts body points, by their number
  * @property {number[]} [gaze] what the eyes of l and r look at, m
- *
- * @typedef {{images: Float64Array, seen: Uint8Array}} Look images of a body in a pair of views: (4 N) px, (2 N) 0 or 1
+ * @typedef {{images: Float64Array, seen: Uint8Array}} Look images of a body in a pair of views: (4 N) px, (2 N) 0 or
+ * 1
  * @typedef {{demo: Float64Array, demoSeen: Uint8Array, own: Float64Array, ownSeen: Uint8Array}} Views all four
- * @typedef {{noisePx: number, missing: number, seed: number}} Disturbance noisePx: standard deviation of a coordinate;
- *   missing: share of points that an image does not show
- */
+ * @typedef {{noisePx: number, missing: number, seed: number}} Disturbance noisePx: standard deviation of a
+ * coordinate; missing: share of points that an image does not show */
 import {centred, centroid} from "./affine.js";
 import {project} from "./camera.js";
 import {Arm} from "./kinematics.js";
@@ -44,14 +39,12 @@ export class World {
     const arm = (/** @type {Who} */ who) => new Arm(scene.chain, scene.links, scene.bases[who]);
     this.arms = {demonstrator: arm("demonstrator"), learner: arm("learner")};
     const [l, r, L, R] = scene.cameras;
-    /** @type {Record<Who, import("./camera.js").Pair>} */
+    /** @type {Record<Who, Pair>} */
     this.pairs = {demonstrator: [l, r], learner: [L, R]};
   }
 
   /** An arm in its pair of views, undisturbed. @param {Who} who @param {ArrayLike<number>} theta @returns {Look} */
-  look(who, theta) {
-    return project(this.pairs[who], this.arms[who].points(theta, this.body));
-  }
+  look(who, theta) { return project(this.pairs[who], this.arms[who].points(theta, this.body)); }
 }
 
 /** What the learner gets to see. With equal seeds it sees the same; every look has a stream of the seed for itself. */
@@ -60,10 +53,8 @@ export class Observer {
   constructor(world, disturbance, rest) {
     this.world = world;
     this.disturbance = disturbance;
-    /** Standard deviation of a coordinate, px, as measured at rest. */
-    this.noisePx = this.#noiseAt(rest);
-    /** @type {{key: string, look: Look} | null} */
-    this.last = null;
+    this.noisePx = this.#noiseAt(rest); // standard deviation of a coordinate, px, as measured at rest
+    this.last = /** @type {{key: string, look: Look} | null} */ (null);
   }
 
   /** @param {number[]} theta @param {number[]} thetaDemo @param {number} look which one it is, of the own body @returns {Views} */

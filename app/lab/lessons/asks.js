@@ -1,24 +1,16 @@
-/**
- * What a step asks for, as something to press: answers, a number, a goal, predictions, a bet. A mark in a
+/** What a step asks for, as something to press: answers, a number, a goal, predictions, a bet. A mark in a
  * figure is made in marks.js, sliders are made in sliders-row.js.
- *
  * @import {Stage} from "./stage.js"
- * @typedef {Object} Asked
- * @property {HTMLElement} element
- * @property {() => void} update
- * @property {(key: string) => boolean} [key] whether it has taken the key
- * @typedef {Object} Host what the page does about it
- * @property {() => void} answered
- * @property {() => void} startAgain
- * @property {() => boolean} isLocked
- * @property {(k: number) => {count: number, share: number} | null} bar how many of a class have given an answer
- */
+ * @typedef {{element: HTMLElement, update: () => void, key?: (key: string) => boolean}} Asked key: whether it has
+ * taken the key
+ * @typedef {{answered: () => void, startAgain: () => void, isLocked: () => boolean, bar: (k: number) => {count:
+ * number, share: number} | null}} Host what the page does about it; bar: how many of a class have given an answer */
 import {isAnswered, isReached, rightChoice} from "./answers.js";
-import {inline, isTouched, letGo, make, plain, touched, track} from "./dom.js";
+import {inline, isTouched, make, plain, slider, touched} from "./dom.js";
 import {fill, measure} from "./measures.js";
 import {energy, short} from "./measured.js";
 
-const BET_STEP = 5, SCALE_STEPS = 200;
+const BET_STEP = 5;
 
 /** @type {Record<string, (stage: Stage, host: Host) => Asked>} */
 const KINDS = {choice, place, pose, number, do: task, predict, bet};
@@ -94,18 +86,11 @@ function pose(stage) {
 /** @param {Stage} stage @param {Host} host @returns {Asked} */
 function number(stage, host) {
   const {low = 0, high = 1, step, logarithmic, unit = "", question} = stage.step.ask;
-  const even = (/** @type {number} */ value) => logarithmic ? Math.log(value) : value;
   const round = (/** @type {number} */ value) => step && !logarithmic
     ? Number((low + Math.round((value - low) / step) * step).toPrecision(12)) : Number(value.toPrecision(2));
-  const input = make("input", {type: "range", min: even(low), max: even(high), step: step && !logarithmic ? step
-    : (even(high) - even(low)) / SCALE_STEPS * (1 - 1e-9),
-    value: even(logarithmic ? Math.sqrt(low * high) : (low + high) / 2),
-    "aria-label": plain(fill(question, stage))});
-  const output = make("output", {class: "large-number"});
-  letGo(input);
-  input.addEventListener("input", () => {
-    const value = Number(input.value);
-    stage.answer = {number: Math.min(high, Math.max(low, round(logarithmic ? Math.exp(value) : value)))};
+  const middle = logarithmic ? Math.sqrt(low * high) : (low + high) / 2, output = make("output", {class: "large-number"});
+  const {input, read, show} = slider({label: plain(fill(question, stage)), low, high, step, logarithmic}, value => {
+    stage.answer = {number: Math.min(high, Math.max(low, round(value)))};
     host.answered();
   });
   return {
@@ -116,10 +101,7 @@ function number(stage, host) {
       const {number: value} = stage.answer, words = value === undefined ? "?"
         : `${short(value).replace(/\.0+$/, "")}${unit}`;
       output.textContent = words;
-      input.disabled = stage.isRevealed || host.isLocked();
-      if (value !== undefined && document.activeElement !== input) input.value = String(even(value));
-      input.setAttribute("aria-valuetext", words);
-      track(input);
+      show(document.activeElement === input ? read() : value ?? middle, words, stage.isRevealed || host.isLocked());
     },
   };
 }
@@ -174,12 +156,9 @@ export const isSet = stage => Boolean(stage.mark) && [...stage.sliders].some(([n
 
 /** @param {Stage} stage @param {Host} host @returns {Asked} */
 function bet(stage, host) {
-  const input = make("input", {type: "range", min: 0, max: 100, step: BET_STEP, value: 50,
-    "aria-label": "How sure you are that it is true"});
   const output = make("output", {class: "large-number"}), which = make("p", {class: "hint"});
-  letGo(input);
-  input.addEventListener("input", () => {
-    stage.answer = {bet: Number(input.value)};
+  const {input, show} = slider({label: "How sure you are that it is true", low: 0, high: 100, step: BET_STEP}, bet => {
+    stage.answer = {bet};
     host.answered();
   });
   return {
@@ -189,12 +168,9 @@ function bet(stage, host) {
     update() {
       const words = isAnswered(stage) && stage.answer.bet !== undefined ? `${stage.answer.bet} %` : "?";
       output.textContent = words;
-      input.value = String(stage.answer.bet ?? 50);
       which.textContent = stage.runs > 1 ? `Run ${stage.run + 1} of ${stage.runs}` : "";
       which.hidden = stage.runs < 2;
-      input.disabled = stage.isRevealed || host.isLocked();
-      input.setAttribute("aria-valuetext", words);
-      track(input);
+      show(stage.answer.bet ?? 50, words, stage.isRevealed || host.isLocked());
     },
     key(key) {
       if (!/^[0-9]$/.test(key) || stage.isRevealed) return false;

@@ -38,8 +38,7 @@ export class Card {
     this.glossary = page.glossary ?? {};
     box.replaceChildren(make("h2", {tabindex: -1, html: inline(step.title)}), this.words, this.ask.element, this.headline,
       this.reply, this.after, this.say);
-    /** @type {Map<HTMLElement, string>} */
-    this.last = new Map();
+    this.last = /** @type {Map<HTMLElement, string>} */ (new Map());
   }
 
   update() {

@@ -1,10 +1,7 @@
-/**
- * A challenge for a class: all copy one pose, and the lecturer sees who was how fast. It is played on the students' own
- * devices, so nothing but the fun of it depends on the result.
- *
- * @import {Person} from "./class-lecturer.js"
- * @typedef {{number: number, lesson: string, step: string, seed: number}} Place where all are gathered
- */
+/** A challenge for a class: all copy one pose, and the lecturer sees who was how fast. It is played on the students'
+ * own devices, so nothing but the fun of it depends on the result.
+ * @import {Person} from "./class-lecturer.js" @import {Level} from "../challenge/rules.js"
+ * @typedef {{number: number, lesson: string, step: string, seed: number}} Place where all are gathered */
 import {World} from "../engine/engine.js";
 import {squares} from "../challenge/game.js";
 import {drawChallenge, degreesOff, LEVELS, POINTS, robotSteps, toLink} from "../challenge/rules.js";
@@ -24,10 +21,8 @@ export class ClassChallenge {
     this.robot = {scene: page.scenes[page.lessons[0].steps[0].state.scene], hulls: page.hulls};
     this.world = new World(this.robot.scene, POINTS);
     this.changed = changed;
-    /** @type {Place | null} */
-    this.place = null;
-    /** @type {Screen | null} */
-    this.screen = null;
+    this.place = /** @type {Place | null} */ (null);
+    this.screen = /** @type {Screen | null} */ (null);
     this.dialog = make("dialog", {class: "challenge class-challenge", "aria-label": "A challenge of the class"});
     this.dialog.addEventListener("cancel", event => event.preventDefault());
     document.body.append(this.dialog);
@@ -50,7 +45,7 @@ export class ClassChallenge {
 
   /** @param {Place} place */
   #challenge({seed, step}) {
-    return drawChallenge(this.world, seed, /** @type {import("../challenge/rules.js").Level} */ (step));
+    return drawChallenge(this.world, seed, /** @type {Level} */ (step));
   }
 
   /** Where this page's game is, as a class is told of a step; null for no game. */

@@ -1,16 +1,16 @@
 /** What the lecturer's page has besides: a bar with what the class is to do, and a panel with persons and their steps,
  * everyone's paths, what the class has learned, and how to join.
- * @import {Message} from "./class-link.js"
+ * @import {Message} from "./class-link.js" @import {Results} from "./class.js"
  * @typedef {{lesson: string, step: string, number: number, count: number, answered: boolean, motions: number, E:
  * number | null, off: number | null, path: number[], demonstrator: number[] | null}} At
  * @typedef {{place: number, name: string, at: At | null}} Person
  * @typedef {{item: string, persons: number, before: number, after: number}} Item */
 import {CHALLENGE, newChallenge} from "./class-challenge.js";
 import {tab} from "./class-link.js";
-import {escaped, inline, make, plain} from "./dom.js";
+import {inline, make, plain} from "./dom.js";
 import {isForPage} from "../view/keys.js";
 import {EnergyMap} from "../view/map.js";
-import {add, energyText} from "../view/svg.js";
+import {add, energyText, escaped} from "../view/svg.js";
 
 const SURE_MS = 5000; // in which a second press means it
 const TABS = ["Students", "Paths", "Standings", "Gain", "Join", "More"];
@@ -25,16 +25,12 @@ export class Lecturer {
     this.room = room;
     this.isLeader = false;
     this.showsAnswers = false; // whether answers are shown here before they are revealed
-    /** @type {Map<number, Person>} */
-    this.people = new Map();
-    /** @type {import("./class.js").Results | null} */
-    this.results = null;
+    this.people = /** @type {Map<number, Person>} */ (new Map());
+    this.results = /** @type {Results | null} */ (null);
     /** @type {any} */
     this.count = {problem: null, asked: []};
-    /** @type {any} */
-    this.gain = null;
-    /** @type {{address: string, qr: string} | null} */
-    this.invitation = null;
+    this.gain = /** @type {any} */ (null);
+    this.invitation = /** @type {{address: string, qr: string} | null} */ (null);
     this.tab = "";
     this.sort = "step";
     this.note = "";
@@ -158,9 +154,7 @@ export class Lecturer {
     this.order("gather", {lesson, step, seed});
   }
 
-  get isPresenting() {
-    return document.documentElement.classList.contains("presenting");
-  }
+  get isPresenting() { return document.documentElement.classList.contains("presenting"); }
 
   #present() {
     document.documentElement.classList.toggle("presenting");

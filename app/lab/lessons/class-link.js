@@ -15,10 +15,8 @@ const PREFIX = `viewimit-class ${location.pathname} `;
 class Memory {
   /** @param {() => Storage} storage */
   constructor(storage) {
-    /** @type {Map<string, string>} */
-    this.own = new Map();
-    /** @type {Storage | null} */
-    this.storage = null;
+    this.own = /** @type {Map<string, string>} */ (new Map());
+    this.storage = /** @type {Storage | null} */ (null);
     try {
       storage().setItem(`${PREFIX}test`, "1");
       storage().removeItem(`${PREFIX}test`);
@@ -27,9 +25,7 @@ class Memory {
   }
 
   /** @param {string} key */
-  get(key) {
-    return this.storage ? this.storage.getItem(PREFIX + key) : this.own.get(key) ?? null;
-  }
+  get(key) { return this.storage ? this.storage.getItem(PREFIX + key) : this.own.get(key) ?? null; }
 
   /** @param {string} key @param {string | null} value null forgets it */
   set(key, value) {
@@ -61,17 +57,14 @@ export class Link {
     this.changed = changed;
     this.isOpen = false;
     this.wait = FIRST_WAIT_MS;
-    /** @type {WebSocket | null} */
-    this.socket = null;
+    this.socket = /** @type {WebSocket | null} */ (null);
     this.lostAt = performance.now(); // when the connection was lost, or first tried
     this.cause = ""; // what keeps it from opening
     addEventListener("online", () => this.#connect());
     document.addEventListener("visibilitychange", () => { if (!document.hidden) this.#connect(); });
   }
 
-  open() {
-    this.#connect();
-  }
+  open() { this.#connect(); }
 
   #connect() {
     if (this.socket && this.socket.readyState <= WebSocket.OPEN) return;
@@ -145,9 +138,7 @@ export class Link {
   }
 
   /** @param {number} seq */
-  #drop(seq) {
-    this.#keep(this.waiting().filter(one => one.seq !== seq));
-  }
+  #drop(seq) { this.#keep(this.waiting().filter(one => one.seq !== seq)); }
 
   /** @param {Answer[]} answers */
   #keep(answers) {

@@ -1,10 +1,11 @@
 /** What a class has answered, drawn: bars of choices, a histogram of numbers, a cloud of postures; and who moved.
- * @import {Results, Tally, Moved} from "./class.js"
- * @typedef {{asked: import("./class.js").Asked, question: any, stage: any, isNarrow: boolean}} About question: one
+ * @import {Results, Tally, Moved, Asked} from "./class.js"
+ * @typedef {{asked: Asked, question: any, stage: any, isNarrow: boolean}} About question: one
  * of the eight, null for a step; isNarrow: on a phone, where the answers' own bars have to do */
 import {isRight, rightChoice} from "./answers.js";
-import {escaped, inline, make} from "./dom.js";
+import {inline, make} from "./dom.js";
 import {fill, measure} from "./measures.js";
+import {escaped} from "../view/svg.js";
 
 const MAX_BINS = 14, DEGREE = Math.PI / 180;
 const WIDTH = 300, HEIGHT = 96, FOOT = 18; // of a histogram

@@ -1,17 +1,14 @@
-/**
- * A lessons' page that belongs to a class: it sends answers to the server, and follows the lecturer's orders.
- * It is the page's entry; the lessons themselves know nothing of a class.
- *
+/** A lessons' page that belongs to a class: it sends answers to the server, and follows the lecturer's orders. It is
+ * the page's entry; the lessons themselves know nothing of a class.
  * @import {Message} from "./class-link.js"
  * @typedef {{total: number, counts: number[], values: number[][], right: number | null}} Tally
  * @typedef {{right: number, gained: number, lost: number, wrong: number}} Moved
- * @typedef {{now: Tally, before: Tally | null, first: Tally | null, moved: Moved | null,
- *   moved_since_first: Moved | null}} Results
+ * @typedef {{now: Tally, before: Tally | null, first: Tally | null, moved: Moved | null, moved_since_first: Moved
+ * | null}} Results
  * @typedef {{round: number, lesson: string, step: string, phase: "own" | "before" | "after", times: number,
- *   revealed: boolean, results: Results | null, seed: number, left_out: number}} Asked
- * @typedef {{asked: Asked | null, lead: boolean, gather: {number: number, lesson: string, step: string, seed: number} | null,
- *   frozen: boolean, hidden: boolean, reset: number}} Orders
- */
+ * revealed: boolean, results: Results | null, seed: number, left_out: number}} Asked
+ * @typedef {{asked: Asked | null, lead: boolean, gather: {number: number, lesson: string, step: string, seed:
+ * number} | null, frozen: boolean, hidden: boolean, reset: number}} Orders */
 import {ClassChallenge} from "./class-challenge.js";
 import {browser, Link, tab} from "./class-link.js";
 import {resultsOf} from "./class-results.js";
@@ -77,7 +74,7 @@ class Classroom {
     this.chip = make("button", {type: "button", class: "class-chip", onclick: () => this.dialog.showModal()});
     lesson.head.append(this.chip);
     this.dialog = document.body.appendChild(this.#makeDialog());
-    this.challenge = new ClassChallenge(lesson.page, () => this.#sendWhere());
+    this.challenge = new ClassChallenge(lesson.data, () => this.#sendWhere());
     this.lecturer = new Lecturer(this);
     this.#watch();
     this.link.open();
@@ -178,9 +175,7 @@ class Classroom {
   }
 
   /** What this page shows, for another page to show. */
-  screen() {
-    return this.lesson.state();
-  }
+  screen() { return this.lesson.state(); }
 
   // What this page hears
 

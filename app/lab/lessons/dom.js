@@ -1,4 +1,7 @@
 /** Elements, and the words of lessons as HTML. */
+import {escaped} from "../view/svg.js";
+
+const SCALE_STEPS = 200, WHOLE = 1 - 1e-9; // of a scale; so that rounding does not put the last step beyond the end
 
 /** @template {keyof HTMLElementTagNameMap} K @param {K} tag
  * @param {Record<string, any>} [properties] `class`, `aria-…` and `data-…` are attributes, `on…` listeners, `html`
@@ -15,10 +18,6 @@ export function make(tag, properties = {}, ...children) {
     /** @type {Node | string} */ (child)));
   return made;
 }
-
-/** @param {string} text */
-export const escaped = text => text.replace(/[&<>"]/g, c =>
-  ({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;"})[c] ?? c);
 
 /** Whether a finger is what points here. */
 export const isTouched = () => matchMedia("(pointer: coarse)").matches;
@@ -44,21 +43,33 @@ export const inline = (words, glossary = {}) => escaped(unbraced(touched(words))
 /** Words without marks, to be read aloud. @param {string} words */
 export const plain = words => unbraced(touched(words)).replaceAll("**", "");
 
-/** A slider that was dragged gives its focus back, so that arrow keys go on with the lesson; one that was reached by
- * keys keeps it.
- * @param {HTMLInputElement} input of a range */
-export function letGo(input) {
+/** A slider, on a logarithmic scale if asked for. One that was dragged gives its focus back, so that arrow keys go on with
+ * the page; one that was reached by keys keeps it.
+ * @param {{label: string, low: number, high: number, step?: number | null, logarithmic?: boolean}} range
+ * @param {(value: number) => void} moved @param {() => void} [released] */
+export function slider({label, low, high, step, logarithmic}, moved, released) {
+  const [first, last] = logarithmic ? [Math.log(low), Math.log(high)] : [low, high];
+  const each = step && !logarithmic ? step : (last - first) / SCALE_STEPS * WHOLE;
+  const input = make("input", {type: "range", min: first, max: last, step: each, "aria-label": label});
+  const read = () => Math.min(high, Math.max(low, logarithmic ? Math.exp(Number(input.value)) : Number(input.value)));
+  const end = () => {
+    for (const name of ["pointerup", "pointercancel"]) removeEventListener(name, end, true);
+    setTimeout(() => input.blur());
+  };
+  input.addEventListener("input", () => moved(read()));
+  input.addEventListener("change", () => released?.());
   input.addEventListener("pointerdown", () => {
-    const end = () => {
-      for (const name of ["pointerup", "pointercancel"]) removeEventListener(name, end, true);
-      setTimeout(() => input.blur());
-    };
     for (const name of ["pointerup", "pointercancel"]) addEventListener(name, end, true);
   });
-}
-
-/** @param {HTMLInputElement} input of a range: how far it stands, for the colour of its track */
-export function track(input) {
-  const low = Number(input.min), high = Number(input.max);
-  input.style.setProperty("--at", `${100 * (Number(input.value) - low) / (high - low || 1)}%`);
+  return {
+    input, read,
+    /** @param {number} value @param {string} words that a screen reader says @param {boolean} [isLocked] */
+    show(value, words, isLocked = false) {
+      const at = logarithmic ? Math.log(value) : value;
+      if (!input.matches(":active") && Number(input.value) !== at) input.value = String(at);
+      if (words) input.setAttribute("aria-valuetext", words);
+      input.disabled = isLocked;
+      input.style.setProperty("--at", `${100 * (Number(input.value) - first) / (last - first || 1)}%`);
+    },
+  };
 }

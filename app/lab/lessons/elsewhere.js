@@ -1,10 +1,9 @@
 /** The addresses at which the lab, and the page of viewimit, open in the state of a step. */
-import {fieldsOf} from "../view/address.js";
-import {pageLink} from "../view/link.js";
+import {fieldsOf, pageLink} from "../view/address.js";
 
-/** @import {Stage} from "./stage.js" */
+/** @import {Stage} from "./stage.js" @import {State} from "../view/address.js" */
 
-/** @param {Stage} stage @param {string} preset @returns {import("../view/address.js").State} */
+/** @param {Stage} stage @param {string} preset @returns {State} */
 function stateOf({moment, session: {settings}, state}, preset) {
   const {transfer, servo, noisePx = 0, missing = 0, seed = 7} = settings;
   return {preset, demonstrator: moment.thetaDemo, start: moment.theta, points: state.points, transfer, servo,
@@ -19,7 +18,7 @@ const areEyesMoved = ({scene, world}) => world.scene !== scene
 export function labAddress(stage, back) {
   const {preset} = stage.scene.page ?? {};
   if (!preset || areEyesMoved(stage)) return null;
-  const fields = fieldsOf(stateOf(stage, preset), /** @type {any} */ ({}));
+  const fields = fieldsOf(stateOf(stage, preset));
   return `#${[`preset=${preset}`, ...fields, `back=${encodeURIComponent(back)}`].join("&")}`;
 }
 

@@ -14,14 +14,12 @@ import {Store} from "./store.js";
 import {isForPage} from "../view/keys.js";
 import {byId as $, fault, unpacked} from "../view/page.js";
 
-/**
- * @import {Lesson, Step, Mark, Answer} from "./stage.js"
- * @import {Screen} from "./step-screen.js"
- * @typedef {import("./stage.js").Page & {lessons: Lesson[], start?: string,
- *   catalogue?: {name: string, title: string, short: string, about: string, afterwards: string, minutes: number,
- *   here: boolean}[]}} Data catalogue: all
- *   lessons that are served, those here and others
- * @typedef {{kind: "home"} | {kind: "step", id: string} | {kind: "before" | "after", k: number} | {kind: "end"}} Place
+/** @import {Lesson, Step, Mark, Answer, Page, Round} from "./stage.js" @import {KeptStep} from "./store.js" @import {Given} from "./questions.js" @import {Screen, Course} from "./step-screen.js"
+ * @typedef {Page & {lessons: Lesson[], start?: string, catalogue?: {name: string, title:
+ * string, short: string, about: string, afterwards: string, minutes: number, here: boolean}[]}} Data catalogue: all
+ * lessons that are served, those here and others
+ * @typedef {{kind: "home"} | {kind: "step", id: string} | {kind: "before" | "after", k: number} | {kind: "end"}}
+ * Place
  * @typedef {Object} Shown what a page shows, for others to follow
  * @property {string} lesson
  * @property {string} step the screen, as addresses name it
@@ -30,14 +28,13 @@ import {byId as $, fault, unpacked} from "../view/page.js";
  * @property {[string, number][]} sliders
  * @property {Mark | null} mark
  * @property {Answer} answer
- * @property {import("./stage.js").Round[]} rounds
+ * @property {Round[]} rounds
  * @property {number[]} theta of the learner; empty without a step
  * @property {{theta: number[], E: number, probe: boolean}[]} motions the latest
  * @property {number} reveal 0 … 1
  * @property {number} run
- * @typedef {{counts: number[]} | {marks: Mark[]} | null} Others what a class has answered: how often each answer was given, or
- *   where marks were made
- */
+ * @typedef {{counts: number[]} | {marks: Mark[]} | null} Others what a class has answered: how often each answer was
+ * given, or where marks were made */
 
 const WORDS_A_MINUTE = 200, LOOKING_S = 25, ACTING_S = 50, ROUND_S = 15; // of a step: to estimate the time that is left
 const FIRST_SEEDS = 97, MAX_SHARED = 60; // motions that others are sent
@@ -60,16 +57,11 @@ function begin(data) {
   let lesson = data.lessons[0];
   /** @type {Place} */
   let place = {kind: "home"};
-  /** @type {Map<string, Stage>} */
-  let stages = new Map();
-  /** @type {Map<string, number>} that the address or a button has asked for */
-  let seeds = new Map();
-  /** @type {Screen | null} */
-  let screen = null;
-  /** @type {Stage | null} of the step on display */
-  let stage = null;
-  /** @type {Others} */
-  let others = null;
+  let stages = /** @type {Map<string, Stage>} */ (new Map());
+  let seeds = /** @type {Map<string, number>} */ (new Map()); // that the address or a button has asked for
+  let screen = /** @type {Screen | null} */ (null);
+  let stage = /** @type {Stage | null} */ (null); // of the step on display
+  let others = /** @type {Others} */ (null);
   /** @type {{lesson: Lesson, place: Place, seeds: Map<string, number>} | null} the place before the lesson was
    * suspended */
   let before = null;
@@ -154,7 +146,7 @@ function begin(data) {
     return made;
   }
 
-  /** @param {Stage} made @param {import("./store.js").KeptStep} was */
+  /** @param {Stage} made @param {KeptStep} was */
   function recall(made, was) {
     made.answer = was.answer ?? {};
     made.mark = was.mark ?? null;
@@ -212,7 +204,7 @@ function begin(data) {
 
   // Screens
 
-  /** What the page around a step does for it. @type {import("./step-screen.js").Course} */
+  /** What the page around a step does for it. @type {Course} */
   const course = {
     isLocked, isHeld: () => isHeld, keep, go, note, announce, restart, redraw,
     answered: answered => hooks.onAnswer(answered.step.id, hooks.answer() ?? {}, isRight(answered)),
@@ -416,13 +408,12 @@ function begin(data) {
   }
 
   const hooks = {
-    page: data,
     /** Called with every answer.
      * @type {(step: string, answer: Answer & {place?: Mark}, right: boolean | null) => void} */
     onAnswer: () => {},
     /** Called at every screen. @type {(step: string) => void} */
     onStep: () => {},
-    /** @type {(phase: "before" | "after", item: string, given: import("./questions.js").Given) => void} */
+    /** @type {(phase: "before" | "after", item: string, given: Given) => void} */
     onQuestion: () => {},
     /** Called after anything that `state` or `summary` tells. @type {() => void} */
     onChange: () => {},

@@ -1,11 +1,8 @@
 /** Maps of E for the figures of lessons, and where E is smallest. Images are projected once for each world, so that
  * moving the demonstrator costs transfers only.
  * @import {Look, Who} from "../engine/world.js" @import {Stage} from "./stage.js" */
-import {Landscape, TRANSFERS, World, residual, conflict, select} from "../engine/engine.js";
+import {DEGREE, energyAt, Landscape, lowest, matched, TRANSFERS, World} from "../engine/engine.js";
 
-const DEGREE = Math.PI / 180;
-const AROUND = 1.5, FINER = 9; // steps of a grid to both sides of its lowest posture, postures a joint
-const FINEST_DEG = .005; // step of a grid that is fine enough
 const MOVING_DEG = 3; // of maps that a slider of the eyes updates
 const WORST_CONDITION = 1e6;
 export const MAP_DEG = 2;
@@ -32,8 +29,7 @@ export class Altered extends World {
 /** @param {string} transfer @param {Look} demo */
 const seenBy = (transfer, demo) => `${transfer} ${demo.images.join()} ${demo.seen.join("")}`;
 
-/** @type {WeakMap<World, Map<string, {landscape: Landscape, key: string}>>} */
-const maps = new WeakMap();
+const maps = /** @type {WeakMap<World, Map<string, {landscape: Landscape, key: string}>>} */ (new WeakMap());
 
 /** The map of E. The same one comes back until something is asked for that changes it.
  * @param {World} world @param {string} transfer @param {Look} demo images of the demonstrator
@@ -50,8 +46,11 @@ export function mapOf(world, transfer, demo, stepDeg = MAP_DEG) {
   return made;
 }
 
-/** @type {WeakMap<World, {key: string, theta: number[] | null}>} */
-const minima = new WeakMap();
+/** Where a function of the posture is smallest, near the lowest posture of its map; null where that is nowhere known.
+ * @param {Landscape} map @param {(theta: number[]) => number} of */
+export const lowestOf = ({minimum, stepDeg, world}, of) => minimum && lowest(of, minimum.theta, stepDeg * DEGREE, world.scene);
+
+const minima = /** @type {WeakMap<World, {key: string, theta: number[] | null}>} */ (new WeakMap());
 
 /** The posture where E is smallest, null where it is nowhere known.
  * @param {World} world @param {string} transfer @param {Look} demo
@@ -60,58 +59,12 @@ export function smallest(world, transfer, demo, stepDeg = MAP_DEG) {
   const key = seenBy(transfer, demo), known = minima.get(world);
   if (known?.key === key) return known.theta;
   const {landscape} = mapOf(world, transfer, demo, stepDeg);
-  const theta = lowest(landscape, at => energyAt(world, transfer, demo, at));
+  const theta = lowestOf(landscape, at => energyAt(world, transfer, demo, at));
   minima.set(world, {key, theta});
   return theta;
 }
 
-/**
- * The posture within the limits where a function of it is smallest, on ever finer grids about the lowest posture of its
- * map; null where it is nowhere known.
- *
- * @param {Landscape} map
- * @param {(theta: number[]) => number} of
- * @returns {number[] | null} rad
- */
-export function lowest(map, of) {
-  const {lower, upper} = map.world.scene;
-  let best = map.minimum?.theta ?? null;
-  for (let step = map.stepDeg * DEGREE; best && step > FINEST_DEG * DEGREE; step *= 2 * AROUND / (FINER - 1)) {
-    const [low, high] = [-1, 1].map(side => /** @type {number[]} */ (best).map((v, k) =>
-      Math.min(Math.max(v + side * AROUND * step, lower[k]), upper[k])));
-    best = leastWithin(of, low, high);
-  }
-  return best;
-}
-
-/** @param {(theta: number[]) => number} of @param {number[]} low @param {number[]} high */
-function leastWithin(of, low, high) {
-  let least = Infinity, best = null;
-  for (let i = 0; i < FINER; i++) for (let j = 0; j < FINER; j++) {
-    const theta = [i, j].map((step, k) => low[k] + (high[k] - low[k]) * step / (FINER - 1)), value = of(theta);
-    if (value < least) [least, best] = [value, theta];
-  }
-  return best;
-}
-
-/** E of one posture, px²; NaN where too few points are seen.
- * @param {World} world @param {string} transfer @param {Look} demo @param {number[]} theta */
-export function energyAt(world, transfer, demo, theta) {
-  const used = matched(world, demo, theta);
-  return used ? conflict(residual(TRANSFERS[transfer].fit(used.demo, used.own), used.demo, used.own)) : NaN;
-}
-
-/** The images of the points that all four views show; null if these are too few.
- * @param {World} world @param {Look} demo @param {number[]} theta */
-function matched(world, demo, theta) {
-  const own = world.look("learner", theta), points = world.body.map((_, i) => i).filter(i =>
-    demo.seen[2 * i] && demo.seen[2 * i + 1] && own.seen[2 * i] && own.seen[2 * i + 1]);
-  return points.length < Math.min(5, world.body.length) ? null
-    : {demo: select(demo.images, points), own: select(own.images, points)};
-}
-
-/** @type {WeakMap<World, {key: string, median: number}>} */
-const conditions = new WeakMap();
+const conditions = /** @type {WeakMap<World, {key: string, median: number}>} */ (new WeakMap());
 
 /** The median of cond(A) over the postures of a grid.
  * @param {World} world @param {string} transfer @param {Look} demo @param {number} stepDeg */

@@ -1,22 +1,18 @@
 /** Measures: numbers, places and postures that a step asks for, tells and has in braces. The facts of the library come
  * first, then those computed here.
  * @import {Stage, Measure, Measured} from "./stage.js" */
+import {DEGREE, farthest} from "../engine/engine.js";
 import {distance, energy, placed, measured} from "./measured.js";
 import {LIMITS_MEASURES} from "./measures_limits.js";
 import {JACOBIAN_MEASURES} from "./measures_jacobian.js";
 import {RAY_MEASURES} from "./measures_ray.js";
 import {TOUR_MEASURES} from "./measures_tour.js";
 
-const DEGREE = Math.PI / 180;
-
 /** Motions after which E was below the goal first. @param {ArrayLike<number>} E @param {number | null} goal */
 export function reached(E, goal) {
   const at = goal === null ? -1 : Array.from(E).findIndex(value => value < goal);
   return measured(at < 0 ? NaN : at, "", 0, "never");
 }
-
-/** Of the joint that is farthest off. @param {number[]} theta @param {number[]} other */
-const degreesBetween = (theta, other) => Math.max(...theta.map((v, k) => Math.abs(v - other[k]))) / DEGREE;
 
 /** @param {Stage} stage @param {string} servo */
 function raced(stage, servo) {
@@ -65,10 +61,10 @@ export const MEASURES = {
   "smallest E": stage => energy(stage.landscape().minimum?.E ?? NaN),
   "place of the smallest E": stage => placed(stage.landscape().minimum?.theta ?? [NaN, NaN]),
   "E at your mark": stage => energy(energyAt(stage, stage.mark)),
-  "smallest E is off": stage => measured(degreesBetween(stage.landscape().minimum?.theta ?? [NaN, NaN],
+  "smallest E is off": stage => measured(farthest(stage.landscape().minimum?.theta ?? [NaN, NaN],
     stage.moment.thetaDemo), "°", 1),
   "error of the arm": ({motions, moment}) =>
-    measured(degreesBetween(motions[motions.length - 1].theta, moment.thetaDemo), "°", 1),
+    measured(farthest(motions[motions.length - 1].theta, moment.thetaDemo), "°", 1),
   "your motions to the goal": ({motions, steps, isShown, goal}) => steps && !isShown
     ? reached(motions.map(({E}) => E), goal) : measured(NaN),
   "motions of the trust region": stage => raced(stage, "trust-region"),

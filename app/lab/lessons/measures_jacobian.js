@@ -1,15 +1,10 @@
-/**
- * Measures of the lesson on the image Jacobian: how well landings were predicted, and how many steps a gain or a turned
- * camera costs.
- *
- * @import {Stage, Measure} from "./stage.js"
- * @import {Run} from "./teach_by_showing.js"
- */
-import {fixed} from "../view/svg.js";
+/** Measures of the lesson on the image Jacobian: how well landings were predicted, and how many steps a gain or a
+ * turned camera costs.
+ * @import {Stage, Measure} from "./stage.js" @import {Run} from "./teach_by_showing.js" */
+import {DEGREE, fixed} from "../view/svg.js";
 import {measured} from "./measured.js";
 import {coordinatesOf, stepsTo, teachByShowing} from "./teach_by_showing.js";
 
-const DEGREE = Math.PI / 180;
 export const GAINS = [0.1, 1, 2.2];
 export const THERE_PX = 2; // rms: so near counts as arrived
 const GAIN_PROBE_DEG = 15, TURNED_PROBE_DEG = 5; // of each joint, from which the first Jacobian is learned
@@ -18,8 +13,7 @@ export const GAIN_STEPS = 40;
 export const TURNED_STEPS = 40;
 const SWINGS = 10; // last steps of a gain that never arrives
 
-/** @type {WeakMap<Stage, Map<string, any>>} results by stage */
-const computed = new WeakMap();
+const computed = /** @type {WeakMap<Stage, Map<string, any>>} */ (new WeakMap()); // results by stage
 
 /** @template T @param {Stage} stage @param {string} key @param {() => T} compute @returns {T} */
 function once(stage, key, compute) {

@@ -1,11 +1,10 @@
 /** Measures of the lessons on limits and claims that the browser computes.
  * @import {Stage, Measure, Measured} from "./stage.js" @import {Crossing} from "./figures/crossing.js" */
-import {projectPoint} from "../engine/engine.js";
+import {energyAt, farthest, projectPoint} from "../engine/engine.js";
 import {angleOf, crossingOf, ellipseOf, shiftOf} from "./figures/crossing.js";
-import {farthest} from "./figures/bowl.js";
 import {conditionOf, largestOf} from "./figures/matches.js";
 import {runOf} from "./figures/sign.js";
-import {Altered, energyAt} from "./maps.js";
+import {Altered} from "./maps.js";
 import {energy, measured} from "./measured.js";
 
 const FEWEST = 4; // matches

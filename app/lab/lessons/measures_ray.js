@@ -1,7 +1,7 @@
 /** Measures of the lesson on rays: how far off a ray a click is, how lines run, and what matched points leave over.
  * @import {Stage, Measure} from "./stage.js" */
 import {symmetricEigen} from "../engine/algebra.js";
-import {World} from "../engine/engine.js";
+import {DEGREE, World} from "../engine/engine.js";
 import {placed, measured} from "./measured.js";
 import {
   angleBetween, camerasOf, epipole, LAST_SHARE, markOf, marksOf, movedInPicture1, onRay, pencil,
@@ -9,7 +9,6 @@ import {
 } from "./rays.js";
 import {projectPoint} from "../engine/camera.js";
 
-const DEGREE = Math.PI / 180;
 const DIFFERENT_DEG = [25, -45]; // a posture that is not the demonstrator's, as in the tour
 const RAY_FROM = 0.02; // share of the mark's depth, at which the ray begins for a click
 

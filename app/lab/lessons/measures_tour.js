@@ -2,9 +2,8 @@
  * @import {Stage, Measure} from "./stage.js" */
 import {energy, placed, short, measured} from "./measured.js";
 import {movedPlaces, energyMoved} from "./places.js";
-import {fixed} from "../view/svg.js";
+import {DEGREE, fixed} from "../view/svg.js";
 
-const DEGREE = Math.PI / 180;
 /** Points that the images name: one of the hand, whose arrow is short though it has far to go, and one of the base. */
 export const HAND_POINT = 9;
 export const BASE_POINT = 3;

@@ -1,6 +1,6 @@
 /** A lesson on paper, as the browser prints it: each step with its pictures, its question and room for the answer; the
  * solutions come on pages of their own.
- * @import {Lesson, Page} from "./stage.js" */
+ * @import {Lesson, Page, FigureUse} from "./stage.js" */
 import {rightChoice} from "./answers.js";
 import {inline, make} from "./dom.js";
 import {ending} from "./figures/cards.js";
@@ -79,7 +79,7 @@ class Paper {
         make("p", {class: "question", html: inline(onPaper(fill(ask.question, stage)))}), ...roomFor(stage)));
   }
 
-  /** @param {import("./stage.js").FigureUse} use @param {Stage} stage @param {string} [size] its class */
+  /** @param {FigureUse} use @param {Stage} stage @param {string} [size] its class */
   #figure(use, stage, size = "large") {
     const {element, box, kind} = framed(use, !stage.isRevealed && use.figure === stage.step.ask.figure);
     element.classList.add(size);
@@ -90,8 +90,7 @@ class Paper {
 
 /** The steps as if nobody had answered them, from start 1. @param {Page} page @param {Lesson} lesson */
 function stagesOf(page, {steps}) {
-  /** @type {Map<string, Stage>} */
-  const made = new Map();
+  const made = /** @type {Map<string, Stage>} */ (new Map());
   for (const step of steps) {
     const stage = new Stage(page, step, {seed: 1, previous: made.get(step.carry ?? "") ?? null});
     stage.unit = FIGURES[step.ask.figure ?? ""]?.unit ?? "px";
@@ -160,8 +159,7 @@ function table(heads, rows) {
  * @param {Page} page @param {() => Lesson[]} lessons to print now */
 export function printable(page, lessons) {
   const root = document.documentElement;
-  /** @type {HTMLElement | null} */
-  let shown = null;
+  let shown = /** @type {HTMLElement | null} */ (null);
   let scheme = root.dataset.scheme;
   addEventListener("beforeprint", () => {
     scheme = root.dataset.scheme;

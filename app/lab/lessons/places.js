@@ -3,15 +3,10 @@
  * @import {Stage} from "./stage.js" @import {Camera} from "../engine/camera.js"
  * @typedef {{x: number, y: number, E: number}} Place how far it was moved, m ahead of the eyes and to their left,
  * and E there */
-import {Session, World} from "../engine/engine.js";
+import {cross, Session, unit, World} from "../engine/engine.js";
 
 /** Where it is moved, m: away from the eyes (x) and sideways (y). */
 export const MOVES = /** @type {[number, number][]} */ ([[0, 0.5], [0.5, 0], [1, 1], [-0.3, 0]]);
-
-/** @param {ArrayLike<number>} a @param {ArrayLike<number>} b @returns {[number, number, number]} */
-const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-/** @param {number[]} v */
-const unit = v => v.map(x => x / Math.hypot(...v));
 
 /** A head of two parallel cameras, turned about its middle to look at a point.
  * @param {[Camera, Camera]} pair @param {ArrayLike<number>} gaze m @returns {[Camera, Camera]} */

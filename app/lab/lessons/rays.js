@@ -1,6 +1,6 @@
 /** Two cameras and one arm: rays, epipoles, a dolly with its zoom, and the geometry that two pencils of lines make by
  * hand.
- * @import {Camera} from "../engine/camera.js" @import {World} from "../engine/world.js"
+ * @import {Camera} from "../engine/camera.js" @import {Stage} from "./stage.js" @import {World} from "../engine/world.js"
  * @typedef {[number, number, number]} Vector
  * @typedef {{a: number, b: number, c: number}} Line a x + b y + c = 0 px, with (a, b) of length 1 */
 import {dot} from "../engine/algebra.js";
@@ -70,17 +70,14 @@ export function through(p, q) {
 export const angleBetween = (first, second) =>
   Math.asin(Math.min(1, Math.abs(first.a * second.b - second.a * first.b)));
 
-/**
- * Lines in two pictures by hand: parallel ones at an angle in each, with the spacing and the shift that fit the matches
- * best. The line of match i is where (b - first·s_i) of the second picture is 0.
- *
+/** Lines in two pictures by hand: parallel ones at an angle in each, with the spacing and the shift that fit the
+ * matches best. The line of match i is where (b - first·s_i) of the second picture is 0.
  * @param {number[][]} first px, points in the first picture
  * @param {number[][]} second px, their matches in the second
  * @param {number} angle rad, of the lines in the first picture, clockwise from the right
  * @param {number} otherAngle rad, of those in the second
  * @returns {{first: Line[], second: Line[], left: number[], rms: number}} left: px from each point of the second
- *   picture to its line, with a sign
- */
+ * picture to its line, with a sign */
 export function pencil(first, second, angle, otherAngle) {
   const n = [-Math.sin(angle), Math.cos(angle)], m = [-Math.sin(otherAngle), Math.cos(otherAngle)];
   const s = first.map(p => dot(n, p)), t = second.map(p => dot(m, p)), count = s.length;
@@ -135,19 +132,18 @@ export function markOf(world) {
   return [T[3] + STICK[0], T[7] + STICK[1], T[11] + STICK[2]];
 }
 
-/** The three marks on the arm, m. @param {import("./stage.js").Stage} stage */
+/** The three marks on the arm, m. @param {Stage} stage */
 export const marksOf = stage => MARKED
   .map(point => placeOf(stage.world, "demonstrator", stage.moment.thetaDemo, point));
 
-/** What both cameras move away from: the middle of the arm's points, m.
- * @param {import("./stage.js").Stage} stage @returns {Vector} */
+/** What both cameras move away from: the middle of the arm's points, m. @param {Stage} stage @returns {Vector} */
 export function targetOf({world, moment}) {
   const points = world.body.map((_, i) => placeOf(world, "demonstrator", moment.thetaDemo, i));
   return /** @type {Vector} */ ([0, 1, 2].map(k => points.reduce((sum, p) => sum + p[k], 0) / points.length));
 }
 
 /** Cameras 1 and 2 as the slider `camera distance` has them.
- * @param {import("./stage.js").Stage} stage @param {number} [distance] times the usual one */
+ * @param {Stage} stage @param {number} [distance] times the usual one */
 export function camerasOf(stage, distance = stage.sliders.get("camera distance") ?? 1) {
   const target = targetOf(stage);
   const {scene, world: {arms}} = stage; // the scene's cameras: the slider has moved the world's

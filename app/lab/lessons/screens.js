@@ -1,5 +1,5 @@
 /** The screens of the eight questions, and of a lesson's end.
- * @import {Lesson} from "./stage.js" @import {Kept} from "./store.js"
+ * @import {Lesson} from "./stage.js" @import {Given, Link} from "./questions.js" @import {Kept} from "./store.js"
  * @import {Screen, Button} from "./step-screen.js" */
 import {inline, make} from "./dom.js";
 import {linked, orderOf, outcome, questionOf, reviewOf} from "./questions.js";
@@ -9,9 +9,7 @@ export class StillScreen {
   draw() { /* nothing changes */ }
 
   /** @param {KeyboardEvent} _event */
-  key(_event) {
-    return false;
-  }
+  key(_event) { return false; }
 
   /** @returns {Button} */
   primary() {
@@ -19,9 +17,7 @@ export class StillScreen {
   }
 
   /** @returns {Button | null} */
-  skip() {
-    return null;
-  }
+  skip() { return null; }
 
   remove() { /* nothing is held */ }
 }
@@ -30,7 +26,7 @@ export class StillScreen {
 export class QuestionScreen extends StillScreen {
   /** @param {HTMLElement} body @param {Lesson} lesson @param {"before" | "after"} phase @param {number} k
    * @param {Kept} kept
-   * @param {{keep: (id: string, given: import("./questions.js").Given) => void, go: (by: number) => void, skipAll:
+   * @param {{keep: (id: string, given: Given) => void, go: (by: number) => void, skipAll:
    * () => void, redraw: () => void}} acts */
   constructor(body, lesson, phase, k, kept, acts) {
     super();
@@ -50,14 +46,10 @@ export class QuestionScreen extends StillScreen {
     body.replaceChildren(make("p", {class: "lead"}, lead), this.question.element);
   }
 
-  draw() {
-    this.question.update();
-  }
+  draw() { this.question.update(); }
 
   /** @param {KeyboardEvent} event */
-  key(event) {
-    return this.question.key(event.key);
-  }
+  key(event) { return this.question.key(event.key); }
 
   /** @returns {Button} */
   primary() {
@@ -75,8 +67,8 @@ export class QuestionScreen extends StillScreen {
 /** What one can say now, and the review of the questions. */
 export class EndScreen extends StillScreen {
   /** @param {HTMLElement} body @param {HTMLElement} figures @param {Lesson} lesson @param {Kept} kept
-   * @param {(step: string) => import("./questions.js").Link} link
-   * @param {import("./questions.js").Link | null} next the lesson after this one @param {() => void} leave */
+   * @param {(step: string) => Link} link
+   * @param {Link | null} next the lesson after this one @param {() => void} leave */
   constructor(body, figures, lesson, kept, link, next, leave) {
     super();
     const questions = lesson.questions ?? [], wasAsked = Object.keys(kept.after).length > 0;

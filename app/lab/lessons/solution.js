@@ -6,13 +6,9 @@ import {measure} from "./measures.js";
 
 const GRID = 9, ROUNDS = 40, MIN_SHARE = 1e-4; // values of a slider at first; rounds of a search that halves its steps
 
-/**
- * Where the step's sliders bring its measure to the goal, or as near as was found: a grid, then a pattern search (Hooke &
- * Jeeves 1961). The stage is left as it was.
- *
- * @param {Stage} stage
- * @returns {Map<string, number>}
- */
+/** Where the step's sliders bring its measure to the goal, or as near as was found: a grid, then a pattern search
+ * (Hooke & Jeeves 1961). The stage is left as it was.
+ * @param {Stage} stage @returns {Map<string, number>} */
 export function solution(stage) {
   const {sliders = []} = stage.step, {measure: name, below} = stage.step.ask, before = new Map(stage.sliders),
     {changed} = stage;

@@ -1,9 +1,7 @@
-/**
- * The screen of a step: its card, its figures and its sliders, and what hands do with them.
- *
- * @import {Stage, Mark, Slider, Figure, FigureUse} from "./stage.js"
- * @typedef {{use: FigureUse, kind: import("./stage.js").FigureKind, box: HTMLElement, figure: Figure,
- *   isAsked: boolean}} Mounted
+/** The screen of a step: its card, its figures and its sliders, and what hands do with them.
+ * @import {Stage, Mark, Slider, Figure, FigureUse, FigureKind} from "./stage.js"
+ * @typedef {{use: FigureUse, kind: FigureKind, box: HTMLElement, figure: Figure, isAsked:
+ * boolean}} Mounted
  * @typedef {Object} Course what the page around it does
  * @property {() => boolean} isLocked
  * @property {() => boolean} isHeld whether others show the right answer
@@ -15,16 +13,11 @@
  * @property {(seed: number) => void} restart the step
  * @property {(by: number) => void} go
  * @property {() => {counts?: number[]} | null} others
- * @property {(stage: Stage) => {href: string, words: string, of: string}[]} links to where else the step's state opens
- *
+ * @property {(stage: Stage) => {href: string, words: string, of: string}[]} links to where else the step's state
+ *   opens
  * @typedef {{words: string, key?: string, filled?: boolean, disabled?: boolean, act: () => void}} Button
- * @typedef {Object} Screen
- * @property {() => void} draw
- * @property {(event: KeyboardEvent) => boolean} key whether it has taken the key
- * @property {() => Button} primary
- * @property {() => Button | null} skip
- * @property {() => void} remove
- */
+ * @typedef {{draw: () => void, key: (event: KeyboardEvent) => boolean, primary: () => Button, skip: () => Button |
+ * null, remove: () => void}} Screen key: whether it has taken the key */
 import {arePlayed, isAnswered, isReached} from "./answers.js";
 import {isSet} from "./asks.js";
 import {Card} from "./card.js";
@@ -35,11 +28,10 @@ import {grade, measure} from "./measures.js";
 import {isSteered, SlidersRow} from "./sliders-row.js";
 import {solution} from "./solution.js";
 import {between, Joints, play} from "../challenge/joints.js";
-import {smoothstep} from "../view/svg.js";
+import {DEGREE, smoothstep} from "../view/svg.js";
 
 const MEET_MS = 1500, MOVE_MS = 350, SOLVE_MS = 1400;
 const MAX_SEED = 9999;
-const DEGREE = Math.PI / 180;
 const FIRST = "A guess is enough: answer first. Or press “Show me” once more.";
 
 /** @implements {Screen} */
@@ -50,8 +42,7 @@ export class StepScreen {
     this.stage = stage;
     this.course = course;
     this.isAsked = this.isSolving = false;
-    /** @type {(() => void) | null} stops the animation */
-    this.stop = null;
+    this.stop = /** @type {(() => void) | null} */ (null); // stops the animation
     stage.changed = course.redraw;
     this.card = new Card(body, stage, {
       answered: () => this.answered(), startAgain: () => course.restart(stage.seed), isLocked: course.isLocked,
@@ -94,14 +85,11 @@ export class StepScreen {
     this.body = body;
     this.figures = figures;
     this.said = "";
-    /** @type {boolean | null} whether it was revealed when what scrolls was looked for */
-    this.reached = null;
+    this.reached = /** @type {boolean | null} */ (null); // whether it was revealed when what scrolls was looked for
   }
 
   /** Whether answers are taken. */
-  get isOpen() {
-    return !this.stage.isRevealed && !this.course.isLocked() && !this.stop;
-  }
+  get isOpen() { return !this.stage.isRevealed && !this.course.isLocked() && !this.stop; }
 
   draw() {
     const {stage, mounted} = this, drawn = new Set();

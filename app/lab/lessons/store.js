@@ -1,7 +1,6 @@
 /**
  * Answers that are kept in the browser, lesson by lesson. Where a browser keeps nothing, they live as long as the page.
- *
- * @import {Answer, Mark} from "./stage.js"
+ * @import {Answer, Mark, Round, Measured} from "./stage.js" @import {Givens} from "./questions.js"
  * @typedef {Object} KeptStep
  * @property {Answer} answer
  * @property {Mark | null} mark
@@ -9,24 +8,20 @@
  * @property {boolean} revealed
  * @property {boolean | null} right
  * @property {{theta: number[], E: number, probe: boolean}[]} motions
- * @property {import("./stage.js").Round[]} rounds
+ * @property {Round[]} rounds
  * @property {[string, number][]} sliders
- * @property {Record<string, import("./stage.js").Measured> | null} [graded] the numbers that judged the answer
+ * @property {Record<string, Measured> | null} [graded] the numbers that judged the answer
  * @property {number} [run]
  * @property {(number | null)[]} [bets]
- * @typedef {{steps: Record<string, KeptStep>, before: import("./questions.js").Givens,
- *   after: import("./questions.js").Givens, person: number}} Kept
- */
+ * @typedef {{steps: Record<string, KeptStep>, before: Givens, after:
+ * Givens, person: number}} Kept */
 const PREFIX = "viewimit-lesson-", PERSONS = 2 ** 31;
 
 export class Store {
   constructor() {
-    /** @type {Record<string, Kept>} */
-    this.lessons = {};
-    /** Whether the browser keeps what it is given. */
-    this.keeps = true;
-    /** What the store kept before it was suspended. @type {Record<string, Kept> | null} */
-    this.suspended = null;
+    this.lessons = /** @type {Record<string, Kept>} */ ({});
+    this.keeps = true; // whether the browser keeps what it is given
+    this.suspended = /** @type {Record<string, Kept> | null} */ (null); // what the store kept before it was suspended
     try {
       localStorage.setItem(`${PREFIX}test`, "1");
       localStorage.removeItem(`${PREFIX}test`);
@@ -36,8 +31,7 @@ export class Store {
   /** @param {string} lesson @returns {Kept} */
   of(lesson) {
     if (!this.lessons[lesson]) {
-      /** @type {Partial<Kept>} */
-      let kept = {};
+      let kept = /** @type {Partial<Kept>} */ ({});
       try { kept = JSON.parse(localStorage.getItem(PREFIX + lesson)
         ?? "{}"); } catch { /* nothing is kept, or not by this page */ }
       this.lessons[lesson] = {steps: kept.steps ?? {}, before: kept.before ?? {}, after: kept.after ?? {},
@@ -53,9 +47,7 @@ export class Store {
   }
 
   /** Go on with a copy that is not kept. */
-  suspend() {
-    this.suspended ??= structuredClone(this.lessons);
-  }
+  suspend() { this.suspended ??= structuredClone(this.lessons); }
 
   /** Go on with the suspended answers. */
   putBack() {

@@ -1,10 +1,8 @@
-/**
- * Teaching by showing: an arm goes to where its image points stood in a picture that it was shown.
+/** Teaching by showing: an arm goes to where its image points stood in a picture that it was shown.
  *
  * The servo knows how its picture reacts to its joints, the image Jacobian J, and goes by u = -λ J⁺ (y - y*):
  * the step for which J promises the goal, times the gain λ (Hutchinson, Hager & Corke 1996). Broyden's update (1965)
  * corrects J by what each step really did.
- *
  * @import {World} from "../engine/world.js"
  * @typedef {Object} Task
  * @property {number[]} start rad
@@ -15,13 +13,9 @@
  * @property {number} probeRad by how much each joint is turned to learn the first J
  * @property {number} [rollRad] by how much the camera is turned about its axis after J was learned
  * @property {number} [steps] how many are made
- *
- * @typedef {Object} Run
- * @property {number[][]} postures rad, of the start and after each step
- * @property {Float64Array[]} images (4 N) px at each of them, in the turned camera
- * @property {Float64Array} goal (4 N) px
- * @property {number[]} errors rms px from the goal, over the points that the servo sees
- */
+ * @typedef {{postures: number[][], images: Float64Array[], goal: Float64Array, errors: number[]}} Run postures: rad,
+ * of the start and after each step; images: (4 N) px at each of them, in the turned camera; goal: (4 N) px; errors:
+ * rms px from the goal, over the points that the servo sees */
 import {clamp, dot, leastSquares} from "../engine/algebra.js";
 
 const STEPS = 60;

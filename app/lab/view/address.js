@@ -1,20 +1,8 @@
-/**
- * The state of the lab in the address, to be read by people: #preset=paper&demo=45,-90&steps=3&demo=50,-80.
+/** The state of the lab in the address, to be read by people: #preset=paper&demo=45,-90&steps=3&demo=50,-80.
  * It is read from left to right: what stands behind `steps` happens at that moment, as in the links of viewimit's page.
- *
- * @typedef {Object} Preset
- * @property {string} name
- * @property {string} title
- * @property {string} says
- * @property {string} scene
- * @property {number} points
- * @property {string} transfer
- * @property {string} servo
- * @property {number} noisePx
- * @property {number} missing
- * @property {number} seed
- * @property {number[]} [start] rad; the scene's if it is not given
- *
+ * @typedef {{name: string, title: string, says: string, scene: string, points: number, transfer: string, servo:
+ * string, noisePx: number, missing: number, seed: number, start?: number[]}} Preset start: rad; the scene's if it is
+ * not given
  * @typedef {Object} State the page follows from it
  * @property {string} preset
  * @property {number[]} demonstrator rad
@@ -27,12 +15,13 @@
  * @property {number} seed
  * @property {number} steps that were made, up to the first move of the demonstrator
  * @property {{demonstrator: number[], steps: number}[]} [later] its moves, rad, and the steps after each
- * @property {number} [point] that the visitor chose
- */
-import {clamp} from "../engine/engine.js";
+ * @property {number} [point] that the visitor chose */
+import {clamp, DEGREE} from "../engine/engine.js";
 import {SERVO_WORDS, TRANSFER_WORDS} from "./words.js";
 
-const DEGREE = Math.PI / 180, MAX_STEPS = 3000, MAX_MOVES = 500;
+const MAX_STEPS = 3000, MAX_MOVES = 500;
+const VALUES = /** @type {const} */ ([["servo", "servo"], ["transfer", "transfer"], ["points", "points"], ["noisePx", "noise"],
+  ["missing", "missing"], ["seed", "seed"]]); // of a state, and their names in an address
 const FIELDS = ["preset", "demo", "start", "servo", "transfer", "points", "noise", "missing", "seed", "steps", "point", "back"];
 
 /** @param {Preset} preset @param {import("../engine/world.js").Scene} scene @returns {State} */
@@ -46,10 +35,8 @@ export function beginning(preset, scene) {
  * @param {string} hash @param {Preset[]} presets @param {Record<string, import("../engine/world.js").Scene>} scenes
  * @param {string[]} [wrong] where what it says wrongly is added @returns {State} */
 export function fromAddress(hash, presets, scenes, wrong = []) {
-  /** @type {Map<string, string>} */
-  const asked = new Map();
-  /** @type {string[][]} */
-  const later = [];
+  const asked = /** @type {Map<string, string>} */ (new Map());
+  const later = /** @type {string[][]} */ ([]);
   for (const [name, text] of new URLSearchParams(hash.replace(/^#/, ""))) {
     if (!name) continue;
     const isLater = asked.has("steps") && (name === "demo" || name === "steps");
@@ -82,8 +69,7 @@ export function fromAddress(hash, presets, scenes, wrong = []) {
   const point = Number(asked.get("point") || NaN);
   const exists = Number.isInteger(point) && point >= 0 && point < scene.layouts[points].length;
   const steps = Math.round(number("steps", 0, 0, MAX_STEPS)), demonstrator = posture("demo", state.demonstrator);
-  /** @type {NonNullable<State["later"]>} */
-  const moves = [];
+  const moves = /** @type {NonNullable<State["later"]>} */ ([]);
   let left = MAX_STEPS - steps;
   for (const [name, text] of later) {
     const last = moves[moves.length - 1];
@@ -111,17 +97,11 @@ export function fromAddress(hash, presets, scenes, wrong = []) {
 export const inDegrees = angles => angles.map(v => Number((v / DEGREE).toFixed(2))).join();
 
 /** The fields of a state, without the values that are those of the preset.
- * @param {State} state @param {State} usual */
-export function fieldsOf(state, usual) {
-  const parts = [`demo=${inDegrees(state.demonstrator)}`, `start=${inDegrees(state.start)}`];
-  if (state.servo !== usual.servo) parts.push(`servo=${state.servo}`);
-  if (state.transfer !== usual.transfer) parts.push(`transfer=${state.transfer}`);
-  if (state.points !== usual.points) parts.push(`points=${state.points}`);
-  if (state.noisePx !== usual.noisePx) parts.push(`noise=${state.noisePx}`);
-  if (state.missing !== usual.missing) parts.push(`missing=${state.missing}`);
-  if (state.seed !== usual.seed) parts.push(`seed=${state.seed}`);
-  return parts;
-}
+ * @param {State} state @param {Partial<State>} [usual] */
+export const fieldsOf = (state, usual = {}) => [
+  `demo=${inDegrees(state.demonstrator)}`, `start=${inDegrees(state.start)}`,
+  ...VALUES.filter(([field]) => state[field] !== usual[field]).map(([field, name]) => `${name}=${state[field]}`),
+];
 
 /** What was done since the beginning, as fields. @param {State} state */
 export function actionsOf({steps, later = []}) {
@@ -134,4 +114,14 @@ export function actionsOf({steps, later = []}) {
 export function toAddress(state, preset, scene) {
   const point = Number(state.point) < scene.layouts[state.points].length ? [`point=${state.point}`] : [];
   return `#${[`preset=${state.preset}`, ...fieldsOf(state, beginning(preset, scene)), ...point, ...actionsOf(state)].join("&")}`;
+}
+
+/** The address at which the page of viewimit opens in the lab's state: a query that it reads as it reads its own.
+ * @param {State} state
+ * @param {string} scene as the page's settings name it: a shipped one, or the text of a scene file
+ * @param {string[]} layouts of body points that the scene has there */
+export function pageLink(state, scene, layouts) {
+  const points = layouts.includes(String(state.points)) ? state.points : Math.min(...layouts.map(Number));
+  return ["preset=paper", `scene=${encodeURIComponent(scene)}`, ...fieldsOf({...state, points}),
+    "frames=1", "rectify=off", ...actionsOf(state)].join("&");
 }

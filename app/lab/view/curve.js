@@ -1,8 +1,8 @@
 /** E after every step, on a logarithmic scale, and the joints' angles. */
-import {add, energyText, fixed, px, set} from "./svg.js";
+import {add, DEGREE, energyText, fixed, px, set} from "./svg.js";
 
 const PAD = {left: 4, top: 7, right: 8, bottom: 5}, MIN_STEPS = 8, MIN_E = 1e-3, LABEL_PX = 34, MAX_DOTS = 60;
-const DEGREE = Math.PI / 180, ROOM_PX = 13; // between two labels
+const ROOM_PX = 13; // between two labels
 const MIN_DEG = 20; // that the plot of angles spans at least
 
 /** @typedef {{E: number, probe: boolean, motion: number}} Step */
@@ -108,8 +108,7 @@ export class Angles extends Plot {
       const places = history.slice(from, to + 1).map((one, k) => `${px(xs[from + k])} ${px(y(of(one)))}`);
       return `<path class="${kind}" d="M${places.join("L")}"/>`;
     };
-    /** @type {number[]} */
-    const taken = [];
+    const taken = /** @type {number[]} */ ([]);
     const parts = symbols.map((symbol, j) => {
       const end = y(history[history.length - 1].theta[j]);
       const isFree = taken.every(other => Math.abs(other - end) > ROOM_PX);

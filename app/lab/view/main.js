@@ -1,4 +1,5 @@
-/** Where the page's script begins: it unpacks what the file holds, and opens the lab or a replay on it. */
+/** Where the page's script begins: it unpacks what the file holds, and opens the lab or a replay on it.
+ * @import {Common} from "./view.js" @import {Offered} from "./experiment.js" @import {Run} from "./recorded.js" @import {State} from "./address.js" */
 import {Challenges} from "../challenge/challenges.js";
 import {today} from "../challenge/screen.js";
 import {listen, returnFocus} from "./keys.js";
@@ -7,19 +8,15 @@ import {byId as $, fault, unpacked} from "./page.js";
 import {Replay} from "./replay.js";
 import {View} from "./view.js";
 
-/** @typedef {import("./view.js").Common & import("./experiment.js").Offered & {run?: import("./recorded.js").Run,
- * words?: string}} Data run: of a replay, whose presets are empty where the lab cannot take over; words: the
- * glossary, in HTML */
+/** @typedef {Common & Offered & {run?: Run, words?: string}} Data run: of a replay, whose presets are empty where
+ * the lab cannot take over; words: the glossary, in HTML */
 
 /** @param {Data} data @param {ArrayBuffer} meshes */
 function begin(data, meshes) {
-  /** @type {Lab | Replay | null} */
-  let shown = null;
+  let shown = /** @type {Lab | Replay | null} */ (null);
   returnFocus();
-  /** @type {Lab | null} */
-  let lab = null;
-  /** @type {View | null} */
-  let made = null;
+  let lab = /** @type {Lab | null} */ (null);
+  let made = /** @type {View | null} */ (null);
   const viewed = () => {
     if (!made) new ResizeObserver(() => shown?.resized()).observe($("map"));
     return made ??= new View(data, meshes, () => shown?.redraw());
@@ -35,7 +32,7 @@ function begin(data, meshes) {
   const view = viewed();
   $("words").innerHTML = data.words ?? "";
   const takes = data.presets.length > 0;
-  const takeOver = (/** @type {Partial<import("./address.js").State>} */ state, /** @type {string} */ says) => {
+  const takeOver = (/** @type {Partial<State>} */ state, /** @type {string} */ says) => {
     replay.close();
     data.presets[0].says = says;
     lab?.open();
@@ -61,8 +58,7 @@ function begin(data, meshes) {
 /** The lab, or the challenge that the address asks for. @param {Data} data @param {(address: string) => Lab} openLab */
 function play(data, openLab) {
   const challenges = new Challenges(data);
-  /** @type {Lab | null} */
-  let lab = null;
+  let lab = /** @type {Lab | null} */ (null);
   const route = () => {
     if (challenges.route()) lab?.close();
     else if (lab) lab.open();

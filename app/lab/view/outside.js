@@ -1,26 +1,18 @@
-/**
- * Arms, cameras and rays as somebody beside them sees them, as SVG: a parallel projection, in which parallel rays stay
+/** Arms, cameras and rays as somebody beside them sees them, as SVG: a parallel projection, in which parallel rays stay
  * parallel and a place on a line is easy to drag.
- *
  * @typedef {[number, number, number]} Vector m in the world
- * @typedef {{frames: ArrayLike<number>[], kind: string}} Body T_world_link of every link; kind: its class, as vi-demo
- * @typedef {{camera: import("../engine/camera.js").Camera, kind: string, name: string}} Eye
- * @typedef {Object} Seen
- * @property {Body[]} bodies the farthest first
- * @property {Eye[]} eyes
- * @property {[ArrayLike<number>, ArrayLike<number>, string][]} lines from, to, class
- * @property {[ArrayLike<number>, string][]} dots place, class
- * @property {[ArrayLike<number>, string, string][]} labels place, text, class
- */
-import {backProject, transform} from "../engine/engine.js";
+ * @typedef {{frames: ArrayLike<number>[], kind: string}} Body T_world_link of every link; kind: its class, as
+ * vi-demo
+ * @typedef {{camera: Camera, kind: string, name: string}} Eye
+ * @typedef {{bodies: Body[], eyes: Eye[], lines: [ArrayLike<number>, ArrayLike<number>, string][], dots:
+ * [ArrayLike<number>, string][], labels: [ArrayLike<number>, string, string][]}} Seen bodies: the farthest first;
+ * lines: from, to, class; dots: place, class; labels: place, text, class @import {Camera} from "../engine/camera.js" */
+import {backProject, dot, transform} from "../engine/engine.js";
 import {outermost, silhouette} from "./images.js";
 import {add, drawingSize, px, set} from "./svg.js";
 
 const MARGIN_PX = 26;
 const LENS_M = 0.16, LENS_SHARE = 0.42; // from a camera to its image plate, and how much of that is drawn
-
-/** @param {number[]} a @param {ArrayLike<number>} b */
-const along = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
 export class Outside {
   /** @param {HTMLElement} box @param {Record<string, number[][]>} hulls outermost vertices of links */
@@ -52,7 +44,7 @@ export class Outside {
   aim(azimuth, elevation, places) {
     const [ca, sa, ce, se] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(elevation), Math.sin(elevation)];
     this.axes = [[-sa, ca, 0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]];
-    const xs = places.map(p => along(this.axes[0], p)), ys = places.map(p => -along(this.axes[1], p));
+    const xs = places.map(p => dot(this.axes[0], p)), ys = places.map(p => -dot(this.axes[1], p));
     const [left, right, top, bottom] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
     const {width, height} = this, [wide, high] = [width, height].map(size => size - 2 * MARGIN_PX);
     const scale = Math.min(wide / (right - left || 1), high / (bottom - top || 1));
@@ -63,7 +55,7 @@ export class Outside {
    * @param {ArrayLike<number>} point @returns {[number, number]} */
   place(point) {
     const {x, y, scale} = this.window;
-    return [(along(this.axes[0], point) - x) * scale, (-along(this.axes[1], point) - y) * scale];
+    return [(dot(this.axes[0], point) - x) * scale, (-dot(this.axes[1], point) - y) * scale];
   }
 
   /** Where in the drawing a pointer is. @param {PointerEvent} event @returns {[number, number]} */
@@ -99,7 +91,7 @@ export class Outside {
   #arm({frames, kind}) {
     const links = this.hulls.map(({link, vertices}) => {
       const corners = vertices.map(v => transform(frames[link], v));
-      const depth = corners.reduce((sum, p) => sum + along(this.axes[2], p), 0) / corners.length;
+      const depth = corners.reduce((sum, p) => sum + dot(this.axes[2], p), 0) / corners.length;
       return {depth, d: `M${silhouette(corners.map(p => this.place(p))).map(p => p.map(px).join(" ")).join("L")}z`};
     }).sort((a, b) => a.depth - b.depth);
     const paths = links.map(({d}) => `<path class="vi-blank" d="${d}"/><path class="vi-hull" d="${d}"/>`);

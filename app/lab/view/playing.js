@@ -1,4 +1,5 @@
-/** Playing: while it is on, a learner at rest wakes when the demonstrator moves. */
+/** Playing: while it is on, a learner at rest wakes when the demonstrator moves.
+ * @import {Experiment} from "./experiment.js" @import {Moment} from "../engine/session.js" */
 import {smoothstep} from "./svg.js";
 import {SERVO_WORDS} from "./words.js";
 
@@ -9,8 +10,7 @@ const NOD_WAIT_MS = 900, NOD_MS = 1500, NOD_RAD = .16;
 const HELD = .25; // share of a period while something is dragged
 
 export class Player {
-  /** @param {import("./experiment.js").Experiment} experiment @param {() => void} draw a frame
-   * @param {() => void} stepped */
+  /** @param {Experiment} experiment @param {() => void} draw a frame @param {() => void} stepped */
   constructor(experiment, draw, stepped) {
     this.experiment = experiment;
     this.drawNow = draw;
@@ -18,22 +18,16 @@ export class Player {
     this.still = matchMedia("(prefers-reduced-motion: reduce)");
     this.isPlaying = false;
     this.isHeld = false;
-    /** Playing, but the servo has no motion to make. */
-    this.isAsleep = false;
+    this.isAsleep = false; // playing, but the servo has no motion to make
     this.isTicking = false;
     this.isDue = false;
     this.due = 0;
-    /** @type {{from: number[], began: number, lasts: number} | null} */
-    this.glide = null;
-    /** When the demonstrator begins to nod; 0 once it has. */
-    this.nodsAt = 0;
-    /** At which the servo had no motion to make. @type {import("../engine/session.js").Moment | null} */
-    this.restedAt = null;
+    this.glide = /** @type {{from: number[], began: number, lasts: number} | null} */ (null);
+    this.nodsAt = 0; // when the demonstrator begins to nod; 0 once it has
+    this.restedAt = /** @type {Moment | null} */ (null); // at which the servo had no motion to make
   }
 
-  get isFollowing() {
-    return this.isPlaying && this.isAsleep;
-  }
+  get isFollowing() { return this.isPlaying && this.isAsleep; }
 
   get isAtRest() {
     const {now} = this.experiment;

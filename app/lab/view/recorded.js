@@ -1,50 +1,25 @@
 /** A recorded run, as viewimit/drawing/export/recording.py writes it: its snapshots as the lab's modules take them. */
 import {EpipolarGeometry, MIN_POINTS, select} from "../engine/engine.js";
 
-/**
- * @typedef {{axes: number[], turn: number[], angle?: number[], steps?: number[][], lines?: number[][] | null}} Built
- *   half axes of two ellipses, their directions in degrees; of a transfer by lines the angles between these, of others
- *   the steps to the point in l, r, L, R
- * @typedef {Object} RecordedMoment
- * @property {number} motion
- * @property {number[]} theta
- * @property {number} demo index of the demonstrator's posture and images
- * @property {(number | null)[]} own
- * @property {string} seen 1 for a point seen in L, in R; "" for all
- * @property {(number | null)[]} recovered
- * @property {(number | null)[] | null} bones
- * @property {number | null} E
- * @property {boolean} probe
- * @property {number} method
- * @property {number} map
- * @property {{name: string, value: string, level: string} | null} condition
- * @property {Record<string, Built | null>} constructed by points
- * @property {string} state
- * @property {string} title
- * @property {string} sentence
- * @property {string} doubt
- * @property {string} word of the glossary
- * @property {string} truth
- * @typedef {Object} Method
- * @property {string} transferTitle
- * @property {string} servoTitle
- * @property {boolean} crosses whether it crosses epipolar lines
- * @property {boolean} rectified
- * @property {{transfer: string, servo: string, noisePx: number, missing: number, seed: number, points: number}} lab
- *   with what the lab goes on
- * @property {string[]} lacks what the lab has not
- * @typedef {Object} RecordedMap
- * @property {string} [says] instead of a map
- * @property {string} [bars] HTML, for other than two joints
- * @property {number | null} [E_true] px², in the demonstrator's posture
- * @property {[number, number]} [size]
- * @property {number[]} [minimum]
- * @property {number[]} [level]
- * @property {number[]} [unknown]
+/** @typedef {{axes: number[], turn: number[], angle?: number[], steps?: number[][], lines?: number[][] | null}} Built
+ * half axes of two ellipses, their directions in degrees; of a transfer by lines the angles between these, of others
+ * the steps to the point in l, r, L, R
+ * @typedef {{motion: number, theta: number[], demo: number, own: (number | null)[], seen: string,
+ * recovered: (number | null)[], bones: (number | null)[] | null, E: number | null, probe: boolean, method: number,
+ * map: number}} RecordedPass demo, method, map: their indices; seen: 1 for a point seen in L, in R; "" for all
+ * @typedef {{condition: {name: string, value: string, level: string} | null, constructed: Record<string, Built | null>,
+ * state: string, title: string, sentence: string, doubt: string, word: string, truth: string}} RecordedWords
+ * constructed: by points; word: of the glossary
+ * @typedef {RecordedPass & RecordedWords} RecordedMoment
+ * @typedef {{transferTitle: string, servoTitle: string, crosses: boolean, rectified: boolean, lab: {transfer:
+ * string, servo: string, noisePx: number, missing: number, seed: number, points: number}, lacks: string[]}} Method
+ * crosses: whether it crosses epipolar lines; lab: with what the lab goes on; lacks: what the lab has not
+ * @typedef {{says?: string, bars?: string, E_true?: number | null, size?: [number, number], minimum?: number[],
+ * level?: number[], unknown?: number[]}} RecordedMap says: instead of a map; bars: HTML, for other than two joints;
+ * E_true: px², in the demonstrator's posture
  * @typedef {{chosen: number | null, snapshots: RecordedMoment[], methods: Method[], maps: RecordedMap[],
- *   demonstrators: {theta: number[], images: (number | null)[], seen: string}[]}} Run
- * @import {Line} from "../engine/affine.js"
- */
+ * demonstrators: {theta: number[], images: (number | null)[], seen: string}[]}} Run
+ * @import {Line} from "../engine/affine.js" @import {Scene} from "./view.js" @import {Construction} from "./images.js" @import {Ground} from "./map.js" */
 
 const PX = 100, RAD = 1e6, SHARE = 1000; // units of the recording in a px, a rad and the logarithm of E
 /** Pairs of the views l, r, L, R, and twelve lines of a point, in the library's order. */
@@ -61,7 +36,7 @@ const angles = values => values.map(v => v / RAD);
 const flags = (text, count) => Uint8Array.from({length: count}, (_, k) => +(text === "" || text[k] === "1"));
 
 export class Recorded {
-  /** @param {Run} run @param {import("./view.js").Scene} scene */
+  /** @param {Run} run @param {Scene} scene */
   constructor(run, scene) {
     this.run = run;
     this.scene = scene;
@@ -96,7 +71,7 @@ export class Recorded {
     return new EpipolarGeometry(select(demo, usable), select(own, usable)).lines(at(demo), at(own));
   }
 
-  /** @param {number} k @param {number} point @returns {import("./images.js").Construction | null} */
+  /** @param {number} k @param {number} point @returns {Construction | null} */
   construction(k, point) {
     const built = this.run.snapshots[k].constructed[point], {recovered} = this.snapshots[k];
     if (!built) return null;
@@ -118,8 +93,7 @@ export class Recorded {
     return `${found} With 1 px of noise 95 % fall in the ellipse.`;
   }
 
-  /** A map of E as map.js draws it; null where there is none.
-   * @param {RecordedMap} map @returns {import("./map.js").Ground | null} */
+  /** A map of E as map.js draws it; null where there is none. @param {RecordedMap} map @returns {Ground | null} */
   #ground({size, level, unknown, minimum}) {
     if (!size || !level || !unknown || !minimum) return null;
     const {lower, upper} = this.scene, count = level.length, E = new Float64Array(count);

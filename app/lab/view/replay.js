@@ -9,7 +9,7 @@ import {Sliders} from "./sliders.js";
 import {energyText, fixed, say, smoothstep} from "./svg.js";
 import {residualText, SERVO_WORDS, TRANSFER_WORDS, verdicts} from "./words.js";
 
-/** @import {Run} from "./recorded.js" @import {View} from "./view.js" */
+/** @import {Run} from "./recorded.js" @import {State} from "./address.js" @import {View, Scene} from "./view.js" */
 
 const GLIDE = 0.75; // share of a motion's time in which the arm moves
 /** Motions a second, of runs of more motions than these. */
@@ -17,8 +17,8 @@ const SPEEDS = /** @type {const} */ ([[200, "25"], [60, "10"], [24, "4"], [-1, "
 const LEAP = 10; // motions by Page Up and Page Down
 
 export class Replay {
-  /** @param {Run} run @param {import("./view.js").Scene} scene @param {View} view
-   * @param {((state: Partial<import("./address.js").State>, says: string) => void) | null} takeOver opens the lab */
+  /** @param {Run} run @param {Scene} scene @param {View} view
+   * @param {((state: Partial<State>, says: string) => void) | null} takeOver opens the lab */
   constructor(run, scene, view, takeOver) {
     this.scene = scene;
     this.view = view;
@@ -45,9 +45,7 @@ export class Replay {
     new ResizeObserver(() => { this.angles.measure(); this.redraw(); }).observe($("angles"));
   }
 
-  get moment() {
-    return this.recorded.snapshots[this.now];
-  }
+  get moment() { return this.recorded.snapshots[this.now]; }
 
   /** Show it, from a motion on. @param {number} motion */
   open(motion) {

@@ -1,7 +1,6 @@
 /** A slider for each joint: those of the demonstrator pose it, those of the learner show its goal as well. */
-import {fixed, say} from "./svg.js";
+import {DEGREE, fixed, say} from "./svg.js";
 
-const DEGREE = Math.PI / 180;
 /** A slider of the learner, with its goal and the way there. */
 const RAIL = '<span class="rail"><svg viewBox="0 0 100 22" preserveAspectRatio="none" aria-hidden="true"><path/></svg>'
   + '<input type="range"><s></s></span>';
@@ -15,14 +14,11 @@ export class Sliders {
     this.who = who;
     this.moved = moved;
     this.held = held;
-    /** @type {number[]} */
-    this.lower = [];
-    /** @type {number[]} */
-    this.upper = [];
+    this.lower = /** @type {number[]} */ ([]);
+    this.upper = /** @type {number[]} */ ([]);
     /** @type {{input: HTMLInputElement, output: HTMLElement, label: HTMLElement, gap: SVGPathElement | null}[]} */
     this.rows = [];
-    /** @type {HTMLInputElement | null} that a finger is on */
-    this.busy = null;
+    this.busy = /** @type {HTMLInputElement | null} */ (null); // that a finger is on
   }
 
   /** @param {string[]} joints @param {number[]} lower @param {number[]} upper */

@@ -1,11 +1,10 @@
 /**
  * A small WebGL view of the scene: two arms, the head, its image plates, points and lines. Matt, with one light and its
  * shadow. It knows no kinematics: it is given where the links are.
- *
  * @typedef {[number, number, number]} Vector
  * @typedef {"demonstrator" | "learner"} Who
- * @typedef {{low: number[], step: number[], vertices: [number, number], faces: [number, number], wide: boolean}} Mesh
- *   where in the packed bytes its vertices and faces are, and how to read them
+ * @typedef {{low: number[], step: number[], vertices: [number, number], faces: [number, number], wide: boolean}}
+ * Mesh where in the packed bytes its vertices and faces are, and how to read them
  * @typedef {Mesh & {link: number}} LinkMesh
  * @typedef {Object} Stage what stands still in a scene
  * @property {number} size of the scene; 1 with a robot of a metre
@@ -15,7 +14,7 @@
  * @property {Vector[]} landmarks what the first view must hold
  * @property {Record<Who, number>} points m across
  * @typedef {{links: LinkMesh[], looks: Record<string, any>, view: {fov: number, margin: number, azimuth: number,
- *   elevation: number}}} Common what all scenes of a robot share
+ * elevation: number}}} Common what all scenes of a robot share
  * @typedef {Object} Shown what moves
  * @property {Record<Who, ArrayLike<number>[]>} frames T_world_link of every link, 3 x 4, row by row
  * @property {Record<Who, Vector[]>} points body points
@@ -23,8 +22,8 @@
  * @property {(Vector | null)[][]} plates each point on the four image plates
  * @property {(Vector | null)[]} recovered
  * @property {boolean} [rays] whether all points are joined with their images
- * @property {[Vector, Vector, string, number, number][]} [lines] from, to, role, width px, opacity
- */
+ * @property {[Vector, Vector, string, number, number][]} [lines] from, to, role, width px, opacity */
+import {cross, dot, unit as normalised} from "../engine/algebra.js";
 import {LINE_FS, LINE_VS, FLAT_FS, FLOOR_FS, SOLID_FS, SOLID_VS} from "./shaders.js";
 
 const VIEWS = ["l", "r", "L", "R"], NAME_PX = 13, ROOM_PX = 9; // of an image's name from its plate, and from any line
@@ -33,13 +32,10 @@ const SHADOW_PX = 1600, FLOATS_PER_CORNER = 13;
 const ATTRIBUTES = ["place", "normal", "one", "other", "corner", "tint"];
 const ROLES = ["learner", "demonstrator", "recovered", "residual", "paper", "secondary", "chosen"];
 
-const dot = (/** @type {ArrayLike<number>} */ a, /** @type {ArrayLike<number>} */ b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-/** @param {Vector} a @param {Vector} b @returns {Vector} */
-const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 /** @param {Vector} a @param {Vector} b @param {number} [s] @returns {Vector} */
 const sum = (a, b, s = 1) => [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]];
 /** @param {Vector} a @returns {Vector} */
-const unit = a => { const n = Math.hypot(...a); return [a[0] / n, a[1] / n, a[2] / n]; };
+const unit = a => /** @type {Vector} */ (normalised(a));
 
 /** A 4 x 4 matrix column by column, as WebGL has it, of a transform 3 x 4 row by row. @param {ArrayLike<number>} T */
 const columns = T => Float32Array.of(T[0], T[4], T[8], 0, T[1], T[5], T[9], 0, T[2], T[6], T[10], 0, T[3], T[7], T[11], 1);
@@ -123,8 +119,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
     }
     ATTRIBUTES.forEach((name, k) => gl.bindAttribLocation(made, k, name));
     gl.linkProgram(made);
-    /** @type {Record<string, WebGLUniformLocation | null>} */
-    const known = {};
+    const known = /** @type {Record<string, WebGLUniformLocation | null>} */ ({});
     return {made, at: (/** @type {string} */ name) => name in known ? known[name] : known[name] = gl.getUniformLocation(made, name)};
   };
   /** @typedef {ReturnType<typeof program>} Program */
@@ -220,8 +215,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
   };
 
   // Colours, of the stylesheet's roles
-  /** @type {Record<string, number[]>} */
-  const colours = {};
+  const colours = /** @type {Record<string, number[]>} */ ({});
   let look = common.looks.light;
   const recolour = () => {
     look = common.looks[document.documentElement.dataset.scheme === "dark" ? "dark" : "light"];
@@ -279,8 +273,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
     return [(x / w + 1) / 2 * canvas.clientWidth, (1 - y / w) / 2 * canvas.clientHeight, w];
   };
 
-  /** @type {number[]} */
-  const spans = [];
+  const spans = /** @type {number[]} */ ([]);
   /** @param {ArrayLike<number>} a @param {ArrayLike<number>} b @param {number[]} colour @param {number} width
    * @param {number} [alpha] */
   const addLine = (a, b, colour, width, alpha = 1) => {
@@ -301,8 +294,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
       for (const {link, shape: what} of links) draw(how, what, columns(frames[who][link]), colours[`${who}Arm`]);
     for (const {T, colour, shape: what} of set.solids) draw(how, what, T, colours[colour]);
   };
-  /** @type {Shown | null} */
-  let shown = null;
+  let shown = /** @type {Shown | null} */ (null);
   let waits = false;
   const resize = () => {
     const ratio = Math.min(devicePixelRatio || 1, 2);
@@ -387,8 +379,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
     }
     if (slow && took.length < MEASURED) measure(performance.now() - began);
   };
-  /** @type {number[]} ms of the first frames */
-  const took = [];
+  const took = /** @type {number[]} */ ([]); // ms of the first frames
   /** Wait until a frame is drawn; the first also takes the time to make the programs ready. @param {number} asked ms */
   const measure = asked => {
     const began = performance.now();
@@ -406,8 +397,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
   };
 
   // Hands: one turns, two pinch and shift; the wheel zooms where it does not scroll
-  /** @type {Map<number, {x: number, y: number}>} */
-  const hands = new Map();
+  const hands = /** @type {Map<number, {x: number, y: number}>} */ (new Map());
   const turn = (/** @type {number} */ dx, /** @type {number} */ dy) => {
     azimuth -= .008 * dx;
     elevation = Math.min(1.5, Math.max(-.15, elevation + .008 * dy));

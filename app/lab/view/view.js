@@ -9,12 +9,12 @@ import {Outside} from "./outside.js";
 import {openSpace} from "./space.js";
 import {drawingUnit, fixed, px, say, set} from "./svg.js";
 
-/** @import {Vector, Who} from "./space.js" @import {World} from "../engine/world.js"
+/** @import {Vector, Who, Stage} from "./space.js" @import {Picture} from "./images.js" @import {World} from "../engine/world.js"
  * @import {Line} from "../engine/affine.js"
- * @typedef {import("../engine/world.js").Scene & {stage: import("./space.js").Stage, page?: {scene: string, layouts:
+ * @typedef {import("../engine/world.js").Scene & {stage: Stage, page?: {scene: string, layouts:
  * string[]}}} Scene page: how the page of viewimit names it
  * @typedef {{robot: import("./space.js").Common, hulls: Record<string, number[][]>}} Common of all scenes of a robot
- * @typedef {import("./images.js").Picture & {rays: boolean, isChosen?: boolean}} Shown rays: whether each point is
+ * @typedef {Picture & {rays: boolean, isChosen?: boolean}} Shown rays: whether each point is
  * joined with its images in 3-D; isChosen: whether the visitor chose the point */
 
 const IN_3D = "viewimit-in-3d"; // what the browser keeps of a visitor who wants 3-D though it is slow
@@ -31,8 +31,7 @@ export class View {
     this.map = new EnergyMap($("map"));
     this.curve = new Curve($("curve"));
     this.space = opened(robot, meshes, () => this.flatten(true, changed));
-    /** In place of the 3-D view, where WebGL is missing or slow. */
-    this.still = new Outside($("still"), hulls);
+    this.still = new Outside($("still"), hulls); // in place of the 3-D view, where WebGL is missing or slow
     this.isFlat = false;
     this.flatten(!this.space);
     $("in-3d").addEventListener("click", () => {
@@ -44,8 +43,7 @@ export class View {
     this.isSpaceDue = false;
     /** @type {() => void} */
     this.show = () => {};
-    /** @type {Scene | null} */
-    this.scene = null;
+    this.scene = /** @type {Scene | null} */ (null);
     for (const [drawing, box] of /** @type {const} */ ([[this.images, $("images")], [this.curve, $("curve")]])) {
       drawing.measure();
       new ResizeObserver(() => { drawing.measure(); changed(); }).observe(box);

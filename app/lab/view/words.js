@@ -1,12 +1,12 @@
 /** What the page says of a moment, in sentences. */
 import METHODS from "../../../assets/lab/methods.json" with {type: "json"};
 import VERDICTS from "../../../assets/verdicts.json" with {type: "json"};
-import {MIN_POINTS} from "../engine/engine.js";
+import {DEGREE, MIN_POINTS} from "../engine/engine.js";
 import {fixed} from "./svg.js";
 
 /** @import {Moment} from "../engine/session.js" */
 
-const DEGREE = Math.PI / 180, EXACT_DEG = 0.05;
+const EXACT_DEG = 0.05;
 
 /** @type {Record<string, {title: string, says: string, periodMs: number}>} ms of a step */
 export const SERVO_WORDS = METHODS.servos;

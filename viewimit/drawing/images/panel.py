@@ -26,6 +26,7 @@ READOUT_UP = 8  # px from the bottom of L and R
 READOUT_LETTER = 5.7  # px, width of a letter of the readout
 GOAL_DOT = 3.4  # px, radius
 SMALL, MAX_ARROW = 8.0, 20.0  # px: residuals below SMALL are drawn larger, up to MAX_ARROW
+COUNTED = "seen", "named"  # of points: said wherever some are not
 COLUMNS = (0, 74, 140, 236, 302, 372)  # px: of the metrics in print
 LEGEND_SIZE, METRICS_SIZE = (424, 31), (424, 36)  # px, in print
 SPARK, SPARK_MOTIONS = (96, 34), 60  # px of the small curve of E, and the motions that it shows at most
@@ -391,17 +392,20 @@ def _metrics(snapshot: Snapshot, lengths: NDArray[np.float64]) -> tuple[Metric, 
         found.append(Metric("amber" if flat >= BADLY_CONDITIONED else "", FLATNESS, _short(flat, 100)))
     if used < count:
         level, text = "red" if used < MIN_POINTS else "", "{value} of {n}".replace("{n}", str(count))
-        counted = "seen" if snapshot.views.matched else "named"
+        counted = COUNTED[not snapshot.views.matched]
         found.append(Metric(level, counted, str(used), text, glossary()["points_seen"].symbol))
     return tuple(found)
 
 
 def write_metrics(metrics: Sequence[Metric], course: Sequence[float] = ()) -> str:
-    """Write E large, with a small curve of its course, and the other numbers small, as HTML."""
+    """Write E large, with a small curve of its course, and the other numbers small, as HTML: those that warn of nothing
+    are details."""
     first, *others = metrics
     large = f'<div class="vi-metric vi-E"><span>Conflict E {_ask(first)}</span>{_value(first)}</div>'
     small = "".join(
-        f'<div class="vi-metric"><span>{metric.label} {_ask(metric)}</span>{_value(metric)}</div>' for metric in others
+        f'<div class="vi-metric{"" if metric.level or metric.label in COUNTED else " vi-detail"}">'
+        f"<span>{metric.label} {_ask(metric)}</span>{_value(metric)}</div>"
+        for metric in others
     )
     return f'<div class="vi-metrics">{large}{_small_curve(course)}{small}</div>'
 

@@ -1,27 +1,17 @@
-/**
- * The map of E over both joints, large: empty, or with its relief, and with the ways that were gone over it.
- *
+/** The map of E over both joints, large: empty, or with its relief, and with the ways that were gone over it.
  * @import {Stage, FigureKind} from "../stage.js"
- * @typedef {Object} Way over the map
- * @property {string} name
- * @property {string} role you, learner, opponent or slow
- * @property {number[][]} postures rad
- * @property {boolean[]} probes whether each was made to learn from
- * @property {number} best the one with the smallest E, after which it only looked for something lower
- */
+ * @typedef {{name: string, role: string, postures: number[][], probes: boolean[], best: number}} Way over the map;
+ * role: you, learner, opponent or slow; postures: rad; probes: whether each was made to learn from; best: the one
+ * with the smallest E, after which it only looked for something lower */
 import {stageMap, stageSmallest} from "../maps.js";
+import {RACERS} from "../stage.js";
 import {EnergyMap} from "../../view/map.js";
-import {add, fixed, px} from "../../view/svg.js";
+import {DEGREE, fixed, px} from "../../view/svg.js";
 import {circles, crosses, diamonds, dots, path, polyline, text} from "./drawing.js";
 import {Names} from "./names.js";
 
-const DEGREE = Math.PI / 180, MOST_DOTS = 60; // motions: of a longer way only the line is drawn
-const ROLES = new Map([["trust-region", "learner"], ["broyden", "opponent"]]);
+const MOST_DOTS = 60; // motions: of a longer way only the line is drawn
 const ORDER = ["slow", "learner", "opponent", "you"]; // in which ways are drawn: where two coincide both are seen
-const TITLES = new Map([
-  ["trust-region", "trust region"], ["broyden", "Broyden"], ["gradient", "the paper's law"],
-  ["gradient-retuned", "gradient law"],
-]);
 const NOTE = "hollow: a test move", NOTE_WIDE = 122;
 const NEAR_EDGE = 110, MARK_WIDE = 104; // units: left of it, the mark's name is at its right; with its name
 
@@ -33,12 +23,9 @@ export const LANDSCAPE = {
   aspect: 1.7,
   create(box) {
     box.classList.add("bare", "lesson-map");
-    box.append(document.createElement("canvas"));
-    add(box, "svg", {class: "vi lesson-drawing", role: "img"});
     const map = new EnergyMap(box);
     let ground = "";
-    /** @type {string | null} */
-    let over = null;
+    let over = /** @type {string | null} */ (null);
     return {
       resize() {
         ground = "";
@@ -92,10 +79,7 @@ function marks(map, stage, layers) {
   if (demo) names.put("demonstrator", demo, "vi-of-demo", {first: [1, 0], lead: "vi-lead-demo"});
   if (cross) names.put("smallest E", cross, "", {first: [-1, 0]});
   if (ways.some(({probes, best}) => probes.slice(0, best + 1).some(Boolean))) above += noted(map.plot, names);
-  for (const level of map.levels.querySelectorAll(".vi-level")) {
-    const x = Number(level.getAttribute("x")), y = Number(level.getAttribute("y"));
-    level.classList.toggle("lesson-covered", !names.isFree([x - 13, y - 12, x + 13, y + 4]));
-  }
+  map.clear(box => names.isFree(box));
   return below + above + names.html;
 }
 
@@ -140,15 +124,15 @@ const racesOf = stage => (stage.step.race ?? []).flatMap(servo => {
 
 /** The visitor's own way and those of servos, up to the motion that is shown. @param {Stage} stage @param {Set<string>} layers */
 function waysOf(stage, layers) {
-  /** @type {Way[]} */
-  const ways = [];
+  const ways = /** @type {Way[]} */ ([]);
   if (layers.has("others")) {
     const races = racesOf(stage), longest = Math.max(1, ...races.map(([, race]) => race.postures.length));
     const shown = 1 + stage.played(longest);
     for (const [servo, race] of races) {
       const until = races.length > 1 ? Math.min(shown, stage.last(race) + 1) : shown; // several race to the goal
-      const E = race.E.slice(0, until), name = races.length === 1 ? "the learner" : TITLES.get(servo) ?? servo;
-      ways.push({name, role: ROLES.get(servo) ?? "slow", postures: race.postures.slice(0, until), probes: race.probes,
+      const E = race.E.slice(0, until), [role, title] = RACERS[servo] ?? ["plain", servo];
+      ways.push({name: races.length === 1 ? "the learner" : title, role: role === "plain" ? "slow" : role,
+        postures: race.postures.slice(0, until), probes: race.probes,
         best: E.indexOf(Math.min(...E))});
     }
   }
@@ -158,9 +142,6 @@ function waysOf(stage, layers) {
   }
   return ways.sort((a, b) => ORDER.indexOf(a.role) - ORDER.indexOf(b.role));
 }
-
-/** Degrees, of the joint that is farthest. @param {ArrayLike<number>} a @param {ArrayLike<number>} b rad */
-export const farthest = (a, b) => Math.max(...Array.from(a, (v, k) => Math.abs(v - b[k]))) / DEGREE;
 
 /** @param {Stage} stage @param {Set<string>} layers */
 function described(stage, layers) {

@@ -1,30 +1,28 @@
-/** Cards and tables as HTML, for figures that are words and numbers. */
+/** Cards and tables as HTML, for figures that are words and numbers.
+ * @import {Stage, FigureKind, Claim} from "../stage.js" */
 import {told} from "../../view/words.js";
-import {escaped} from "./drawing.js";
+import {make} from "../dom.js";
+import {escaped} from "../../view/svg.js";
 
 const ICONS = {
   learner: '<svg viewBox="0 0 16 16" aria-hidden="true"><circle cx="8" cy="8" r="6"/></svg>',
   truth: '<svg viewBox="0 0 16 16" aria-hidden="true"><path d="M8 1l7 7-7 7-7-7z"/></svg>',
 };
 
-/** Name a box of words and numbers. @param {HTMLElement} box @param {string} kind its class @param {string} name */
-export function named(box, kind, name) {
-  box.classList.add("bare", kind);
-  box.setAttribute("role", "group");
-  box.setAttribute("aria-label", name);
-}
-
 /** A figure of words and numbers in a named box, written again where they differ.
- * @param {string} kind class of the box @param {string} name
- * @param {(stage: import("../stage.js").Stage, layers: Set<string>) => string} write HTML
- * @returns {import("../stage.js").FigureKind["create"]} */
-export const written = (kind, name, write) => box => {
-  named(box, kind, name);
+ * @param {string} kind class of the box
+ * @param {(stage: Stage, layers: Set<string>) => [string, string]} write HTML, and what a screen reader says
+ * @param {boolean} [isFramed] whether it stands in the frame of a drawing @returns {FigureKind["create"]} */
+export const written = (kind, write, isFramed = false) => box => {
+  const made = isFramed ? box.appendChild(make("div", {class: kind})) : box;
+  if (!isFramed) box.classList.add("bare", kind);
+  made.setAttribute("role", "group");
   let last = "";
   return {
     draw(stage, layers) {
-      const html = write(stage, layers);
-      if (html !== last) box.innerHTML = last = html;
+      const [html, label] = write(stage, layers);
+      if (html !== last) made.innerHTML = last = html;
+      made.setAttribute("aria-label", label);
     },
   };
 };
@@ -40,7 +38,7 @@ export function card(kind, head, bold, more = "", dot = "") {
 }
 
 /** How a run ended, as every front end says it.
- * @param {import("../stage.js").Claim} claim @param {{E: number[]}} run @param {string[]} names of the joints */
+ * @param {Claim} claim @param {{E: number[]}} run @param {string[]} names of the joints */
 export const ending = ({status, seen, unobservable, expectedOffDeg}, {E}, names) => told(status, {
   steps: E.length - 1, E: E[E.length - 1], seen, expectedOffDeg,
   joints: unobservable.length ? `the ${unobservable.map(k => names[k]).join(" and the ")}` : undefined,

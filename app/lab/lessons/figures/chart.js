@@ -1,6 +1,4 @@
-/**
- * Curves over two axes, named where they end.
- *
+/** Curves over two axes, named where they end.
  * @typedef {Object} Curve
  * @property {number[][]} points x and y; y that is not finite makes a gap
  * @property {string} role one of the roles of figures.css: learner, opponent, plain, demonstrator, E
@@ -9,22 +7,15 @@
  * @property {boolean} [line] false for dots alone
  * @property {boolean[]} [hollow] points that are drawn hollow
  * @property {number} [named] the point beside which its name stands, the last one by default
- *
- * @typedef {Object} Axes
- * @property {[number, number]} x least and most
- * @property {[number, number]} y
- * @property {boolean} [log] whether y is logarithmic
- * @property {[number, string][]} xTicks
- * @property {number[]} [yTicks]
- * @property {string} [xName]
- * @property {string} [yName]
- * @property {[number, string, string][]} [levels] a y with its name and role, as a line across
- */
-import {px} from "../../view/svg.js";
+ * @typedef {{x: [number, number], y: [number, number], log?: boolean, xTicks: [number, string][],
+ * xName?: string, yName?: string, levels?: [number, string, string][]}} Axes x: least and most; log: whether y is
+ * logarithmic; levels: a y with its name and role, as a line across
+ * @import {Stage, FigureKind} from "../stage.js" */
+import {escaped, px} from "../../view/svg.js";
 import {short} from "../measured.js";
-import {escaped, widthOf} from "./drawing.js";
+import {circles, widthOf} from "./drawing.js";
 import {Names} from "./names.js";
-import {disc, Plane} from "./plane.js";
+import {Plane} from "./plane.js";
 
 const TICK = 12, NAME = 13; // letters, drawing units
 const MOST_DOTS = 80; // of a curve, of which each point is drawn
@@ -34,19 +25,14 @@ const MIN_TICK_GAP = 16; // units, of ticks of y
 
 export class Chart {
   /** @param {HTMLElement} box */
-  constructor(box) {
-    this.plane = new Plane(box, "draw-chart");
-  }
+  constructor(box) { this.plane = new Plane(box, "draw-chart"); }
 
-  resize() {
-    this.plane.measure();
-  }
+  resize() { this.plane.measure(); }
 
-  /** @param {Axes} axes @param {Curve[]} curves @param {string} label
-   * @param {string} [extra] drawn behind the curves, by `place` */
-  draw(axes, curves, label, extra = "") {
+  /** @param {Axes} axes @param {Curve[]} curves @param {string} label */
+  draw(axes, curves, label) {
     const {width, height} = this.plane, names = new Names([0, 0, width, height]), isLow = height < LOW;
-    const ticks = isLow ? [] : axes.yTicks ?? round(axes.y, axes.log);
+    const ticks = isLow ? [] : round(axes.y, axes.log);
     const list = isLow ? curves.filter(({name, role}) => name && role !== "bar") : [];
     const listed = list.length ? Math.max(...list.map(({name = ""}) => widthOf(name, true, TICK))) + 22 : 0;
     const left = 14 + Math.max(...ticks.map(value => widthOf(tickText(value), false, TICK)));
@@ -56,7 +42,7 @@ export class Chart {
     const x = (/** @type {number} */ v) => box[0] + (v - axes.x[0]) / (axes.x[1] - axes.x[0]) * (box[2] - box[0]);
     const y = (/** @type {number} */ v) =>
       box[3] - Math.min(1.02, Math.max(-.02, (up(v) - low) / (high - low))) * (box[3] - box[1]);
-    let html = extra;
+    let html = "";
     const text = (/** @type {number} */ a, /** @type {number} */ b, /** @type {string} */ words,
       /** @type {string} */ kind) => {
       html += `<text class="${kind}" style="font-size:${TICK}px" x="${px(a)}" y="${px(b)}">${escaped(words)}</text>`;
@@ -99,7 +85,7 @@ export class Chart {
       if (points.length <= MOST_DOTS) for (const isHollow of [false, true]) {
         const some = at.filter((_, k) => Boolean(hollow[k]) === isHollow);
         html += `<path class="draw-dots draw-of-${role}${isHollow ? " draw-hollow" : ""}" ` +
-          `d="${some.map(p => disc(p[0], p[1], line ? 2.4 : 4.6)).join("")}"/>`;
+          `d="${circles(some, line ? 2.4 : 4.6)}"/>`;
       }
     }
     list.forEach(({name = "", role}, k) => {
@@ -113,6 +99,13 @@ export class Chart {
     this.plane.show(html + names.html, label);
   }
 }
+
+/** A figure that is one chart, by what `draw` takes.
+ * @param {(stage: Stage, layers: Set<string>) => [Axes, Curve[], string]} drawn @returns {FigureKind["create"]} */
+export const charted = drawn => box => {
+  const chart = new Chart(box);
+  return {resize: () => chart.resize(), draw: (stage, layers) => chart.draw(...drawn(stage, layers))};
+};
 
 /** @param {number} value */
 const tickText = value => value >= 1000 ? value.toLocaleString("en").replace(",", " ") : value === 0 ? "0"

@@ -1,11 +1,8 @@
-/**
- * A motion of the demonstrator's hand that lines follow that were found once: in L, and from the side, where only
+/** A motion of the demonstrator's hand that lines follow that were found once: in L, and from the side, where only
  * a viewer can stand.
- *
- * @import {Stage, FigureKind} from "../stage.js"
- * @import {World} from "../../engine/world.js"
- * @typedef {{frozen: number[], postures: number[][]}} Followed rad: the posture in which lines were found, and those by
- *   which the learner followed
+ * @import {Stage, FigureKind} from "../stage.js" @import {World} from "../../engine/world.js"
+ * @typedef {{frozen: number[], postures: number[][]}} Followed rad: the posture in which lines were found, and those
+ * by which the learner followed
  * @typedef {{demonstrator: number[][], right: Followed, early: Followed}} CircleRuns rad
  * @typedef {Object} Way of one hand, frame by frame
  * @property {number[][][]} arms px in L, base to hand
@@ -16,8 +13,7 @@
  * @property {number[]} handMm from the demonstrator's hand, both bases laid over each other
  * @property {number[][]} still px in L: the arm when the lines were found
  * @typedef {{role: string, name: string, path: number[][], arms: number[][][] | null, still?: boolean}} Hand
- * @typedef {{title: string, unit: string, values: [string, number[]][], low: number, high: number}} Curve by role
- */
+ * @typedef {{title: string, unit: string, values: [string, number[]][], low: number, high: number}} Curve by role */
 import {projectPoint, TRANSFERS} from "../../engine/engine.js";
 import {px} from "../../view/svg.js";
 import {short} from "../measured.js";
@@ -63,8 +59,7 @@ function create(box, shownOf) {
 /** @param {Stage} stage @param {Set<string>} layers @returns {Shown} */
 function inImage(stage, layers) {
   const ways = waysOf(stage), hasTargets = layers.has("targets");
-  /** @type {Hand[]} */
-  const hands = [];
+  const hands = /** @type {Hand[]} */ ([]);
   if (layers.has("truth") && !stage.truthHidden)
     hands.push({role: "demonstrator", name: "the true path", path: ways.right.truth, arms: null});
   for (const which of /** @type {const} */ (["right", "early"])) {
@@ -82,8 +77,7 @@ function inImage(stage, layers) {
 function fromSide(stage, layers) {
   const ways = waysOf(stage), runs = /** @type {const} */ (["right", "early"]).filter(which => layers.has(which));
   const demo = demonstratorFromSide(stage);
-  /** @type {Hand[]} */
-  const hands = [];
+  const hands = /** @type {Hand[]} */ ([]);
   if (layers.has("circle"))
     hands.push({role: "demonstrator", name: "the demonstrator", path: demo.map(last), arms: demo});
   for (const which of runs) {
@@ -91,8 +85,7 @@ function fromSide(stage, layers) {
     hands.push({role: ROLES[which], name: FROZEN[which], path: side.map(last), arms: side});
   }
   const of = runs.length ? runs : /** @type {const} */ (["early"]);
-  /** @type {Curve[]} */
-  const curves = [];
+  const curves = /** @type {Curve[]} */ ([]);
   if (layers.has("px")) curves.push({
     title: "Apart in its picture", unit: "px, from where its lines say", low: .1, high: 10,
     values: of.map(which => [ROLES[which], ways[which].overlapPx]),
@@ -108,8 +101,7 @@ function fromSide(stage, layers) {
 /** @template T @param {T[]} of */
 const last = of => of[of.length - 1];
 
-/** @type {WeakMap<CircleRuns, {right: Way, early: Way}>} */
-const known = new WeakMap();
+const known = /** @type {WeakMap<CircleRuns, {right: Way, early: Way}>} */ (new WeakMap());
 
 /** What both learners do. @param {Stage} stage @returns {{right: Way, early: Way}} */
 export function waysOf(stage) {

@@ -2,15 +2,15 @@
  * @import {Stage, FigureKind} from "../stage.js"
  * @typedef {{world: Altered | null, key: string, lines: string}} Rings that were drawn last
  * @typedef {ReturnType<typeof scales>} Scales */
-import {Landscape} from "../../engine/engine.js";
-import {contour} from "../../view/map.js";
+import {DEGREE, Landscape} from "../../engine/engine.js";
+import {contour, nice} from "../../view/map.js";
 import {fixed, px} from "../../view/svg.js";
 import {Altered, smallest} from "../maps.js";
 import {axis, circles, crosses, diamonds, dots, Drawing, legend, legendHeight, path, polyline, rectangle, text,
   within} from "./drawing.js";
 import {Names} from "./names.js";
 
-const DEGREE = Math.PI / 180, ROOM = 1.06; // of the posture that is farthest
+const ROOM = 1.06; // of the posture that is farthest
 const LEFT = 52, TOP = 26, RIGHT = 12, FOOT = 44; // units
 const STEPS = 60, RINGS = 7; // of the map within the drawing; lines of equal E
 const TITLES = {one: "one picture each time", averaged: "25 pictures averaged each time"};
@@ -157,14 +157,6 @@ function spread(cloud, name, row, {x, y, right, bottom}, names) {
   names.keepBox([first - 6, down - 9, last + 70, down + 9]);
   const said = text(across - 9, (low + high) / 2 + 4.5, words[0], `${kind} vi-end`);
   return path(`lesson-bracket lesson-cloud-${name}`, d) + said + text(last + 9, down + 4.5, words[1], kind);
-}
-
-/** Round degrees between two angles, seven at most. @param {number} from @param {number} to rad @param {number} most */
-function nice(from, to, most) {
-  const low = from / DEGREE, high = to / DEGREE, found = [];
-  const step = [.1, .2, .5, 1, 2, 5, 10, 20, 30, 45].find(each => (high - low) / each <= Math.min(7, most)) ?? 90;
-  for (let k = Math.ceil(low / step); k * step <= high; k++) found.push(Math.round(k * step * 10) / 10);
-  return found;
 }
 
 /** @param {Stage} stage @param {Set<string>} layers */

@@ -1,13 +1,9 @@
-/**
- * Where two lines cross, through a magnifying glass: pixels are squares, one line is also drawn one pixel away, and the
- * ellipse holds the transferred point if pixels are off.
- *
- * @import {Stage, FigureKind} from "../stage.js"
- * @import {Line} from "../../engine/affine.js"
- * @typedef {{lines: [Line, Line], at: number[], moved: Line, movedAt: number[]}} Crossing px in L: lines from l and r,
- *   where they cross, and the same with the second one moved by a pixel
- * @typedef {{at: number[], halfAxes: number[], direction: number}} Ellipse px, the longer half axis first; rad
- */
+/** Where two lines cross, through a magnifying glass: pixels are squares, one line is also drawn one pixel away, and
+ * the ellipse holds the transferred point if pixels are off.
+ * @import {Stage, FigureKind} from "../stage.js" @import {Fitted} from "../../engine/transfers.js" @import {Line} from "../../engine/affine.js"
+ * @typedef {{lines: [Line, Line], at: number[], moved: Line, movedAt: number[]}} Crossing px in L: lines from l
+ * and r, where they cross, and the same with the second one moved by a pixel
+ * @typedef {{at: number[], halfAxes: number[], direction: number}} Ellipse px, the longer half axis first; rad */
 import {fixed, px} from "../../view/svg.js";
 import {
   arrows, diamonds, Drawing, legend, legendHeight, path, pill, polyline, rectangle, sketched, text, within,
@@ -56,19 +52,27 @@ export const shiftOf = ({at, movedAt}) => Math.hypot(movedAt[0] - at[0], movedAt
 export function ellipseOf(stage, side = 0) {
   const {fitted, views, usable} = stage.moment, {chosen} = stage;
   if (!fitted || !usable.includes(chosen)) return null;
-  const at = views.demo.subarray(4 * chosen, 4 * chosen + 4), near = new Float64Array(36);
+  return spreadOf(fitted, views.demo.subarray(4 * chosen, 4 * chosen + 4))[side];
+}
+
+/** The same in L and R, of any point. @param {Fitted} fitted
+ * @param {Float64Array} at its x, y in l and r, px @param {number} [noisePx] @returns {Ellipse[]} */
+export function spreadOf(fitted, at, noisePx = 1) {
+  const near = new Float64Array(36);
   for (let k = 0; k < 9; k++) for (let c = 0; c < 4; c++)
     near[4 * k + c] = at[c] + (k < 4 && c === k ? FD_STEP_PX : k < 8 && c === k - 4 ? -FD_STEP_PX : 0);
-  const found = fitted.recover(near), x = 2 * side;
-  let xx = 0, xy = 0, yy = 0;
-  for (let k = 0; k < 4; k++) {
-    const u = found[4 * k + x] - found[4 * k + 16 + x], v = found[4 * k + x + 1] - found[4 * k + 17 + x];
-    [xx, xy, yy] = [xx + u * u, xy + u * v, yy + v * v];
-  }
-  const mean = (xx + yy) / 2, radius = Math.hypot((xx - yy) / 2, xy), longest = mean + radius;
-  const shortest = longest > 0 ? (xx * yy - xy * xy) / longest : 0; // mean - radius would cancel
-  const halfAxes = [longest, Math.max(shortest, 0)].map(v => Math.sqrt(CHI2_95 * v) / (2 * FD_STEP_PX));
-  return {at: [found[32 + x], found[33 + x]], halfAxes, direction: Math.atan2(2 * xy, xx - yy) / 2};
+  const found = fitted.recover(near);
+  return [0, 2].map(x => {
+    let xx = 0, xy = 0, yy = 0;
+    for (let k = 0; k < 4; k++) {
+      const u = found[4 * k + x] - found[4 * k + 16 + x], v = found[4 * k + x + 1] - found[4 * k + 17 + x];
+      [xx, xy, yy] = [xx + u * u, xy + u * v, yy + v * v];
+    }
+    const mean = (xx + yy) / 2, radius = Math.hypot((xx - yy) / 2, xy), longest = mean + radius;
+    const shortest = longest > 0 ? (xx * yy - xy * xy) / longest : 0; // mean - radius would cancel
+    const halfAxes = [longest, Math.max(shortest, 0)].map(v => noisePx * Math.sqrt(CHI2_95 * v) / (2 * FD_STEP_PX));
+    return {at: [found[32 + x], found[33 + x]], halfAxes, direction: Math.atan2(2 * xy, xx - yy) / 2};
+  });
 }
 
 /** @param {number[]} at @param {number[]} halfAxes in units of the drawing @param {number} direction rad */
@@ -77,8 +81,7 @@ export const drawnEllipse = (at, [a, b], direction) => `<ellipse class="vi-sprea
 
 /** @param {Drawing} drawing @param {Stage} stage @param {Set<string>} layers @param {Crossing} found */
 function drawn({width, height}, stage, layers, found) {
-  /** @type {[string, string][]} */
-  const rows = [];
+  const rows = /** @type {[string, string][]} */ ([]);
   if (layers.has("lines")) rows.push([path("vi-line lesson-line", "M0 0h30"), "line from l"],
     [path("vi-line lesson-line vi-from-right", "M0 0h30"), "line from r"]);
   if (layers.has("moved line")) rows.push([path("lesson-line-moved", "M0 0h30"), "line from r, moved by one pixel"]);
@@ -93,8 +96,7 @@ function drawn({width, height}, stage, layers, found) {
   let svg = pixels(found.at, scale, size, middle);
   const spread = layers.has("ellipse") ? ellipseOf(stage) : null;
   if (spread) svg += drawnEllipse(middle, spread.halfAxes.map(v => v * scale), spread.direction);
-  /** @type {[Line, string][]} */
-  const strokes = [];
+  const strokes = /** @type {[Line, string][]} */ ([]);
   if (layers.has("lines")) strokes.push([found.lines[0], "vi-line lesson-line"],
     [found.lines[1], "vi-line lesson-line vi-from-right"]);
   if (layers.has("moved line")) strokes.push([found.moved, "lesson-line-moved"]);
@@ -106,7 +108,7 @@ function drawn({width, height}, stage, layers, found) {
   if (layers.has("moved line")) {
     const from = place(found.at), to = place(found.movedAt);
     names.keepLine([from, to], 8);
-    svg += `<g class="lesson-large-arrow">${arrows([from], [to], 12)}</g>`;
+    svg += `<g class="lesson-large-arrow">${arrows([[from, to]], 12)}</g>`;
     svg += pill(from, to, `${fixed(shiftOf(found))} px`, names);
   }
   svg += path("vi-found lesson-found", diamonds([middle], 7));

@@ -1,15 +1,14 @@
 /** Drawings of lessons: SVG as large as its box, in units that grow with the page's letters.
  * @typedef {[number, number]} Place in units of a drawing
  * @typedef {[number, number, number, number]} Rectangle left, top, right, bottom, in units of a drawing */
-import {add, drawingSize, px, set} from "../../view/svg.js";
+import {add, arrowPaths, drawingSize, escaped, px, set} from "../../view/svg.js";
+export {circles, crosses, diamonds, dots, polyline} from "../../view/svg.js";
 
 const LETTER_PX = 12.5; // size of letters, in units
-const PILL_HIGH = 21;
+const PILL_HIGH = 21, HEAD = 7.5; // units: of a pill, of an arrow's tip
 
-/** @type {CanvasRenderingContext2D | null} */
-let brush = null;
-/** @type {Map<string, number>} */
-const widths = new Map();
+let brush = /** @type {CanvasRenderingContext2D | null} */ (null);
+const widths = /** @type {Map<string, number>} */ (new Map());
 
 /** How wide words are, in units. @param {string} words @param {boolean} [bold] @param {number} [size] of letters */
 export function widthOf(words, bold = false, size = LETTER_PX) {
@@ -24,11 +23,11 @@ export function widthOf(words, bold = false, size = LETTER_PX) {
 }
 
 export class Drawing {
-  /** @param {HTMLElement} box @param {string} kind class of the drawing */
-  constructor(box, kind) {
+  /** @param {HTMLElement} box @param {string} kind class of the drawing @param {boolean} [isBare] without a frame */
+  constructor(box, kind, isBare = true) {
     this.box = box;
-    box.classList.add("bare");
-    this.svg = add(box, "svg", {class: `vi lesson-drawing ${kind}`, role: "img"});
+    if (isBare) box.classList.add("bare");
+    this.svg = add(box, "svg", {class: `vi ${isBare ? "lesson-drawing" : "draw-plane"} ${kind}`, role: "img"});
     this.unit = 1;
     this.width = 1;
     this.height = 1;
@@ -58,9 +57,6 @@ export const sketched = (kind, write) => box => {
   return {resize: () => drawing.measure(), draw: (stage, layers) => drawing.show(...write(drawing, stage, layers))};
 };
 
-/** @param {string} words */
-export const escaped = words => words.replace(/[&<>"]/g, c => `&#${c.charCodeAt(0)};`);
-
 /** @param {number} x @param {number} y of the base line @param {string} words @param {string} [kind] */
 export const text = (x, y, words, kind = "") =>
   `<text class="${kind}" x="${px(x)}" y="${px(y)}">${escaped(words)}</text>`;
@@ -68,52 +64,10 @@ export const text = (x, y, words, kind = "") =>
 /** @param {string} kind @param {string} d @param {string} [more] attributes */
 export const path = (kind, d, more = "") => d ? `<path class="${kind}" d="${d}"${more}/>` : "";
 
-/** Data of a path through points; one that is not finite parts it. @param {number[][]} points */
-export function polyline(points) {
-  let d = "", pen = "M";
-  for (const [x, y] of points) {
-    const isThere = Number.isFinite(x) && Number.isFinite(y);
-    if (isThere) d += `${pen}${px(x)} ${px(y)}`;
-    pen = isThere ? "L" : "M";
-  }
-  return d;
-}
-
-/** @param {number[][]} points */
-export const dots = points => points.map(([x, y]) => `M${px(x)} ${px(y)}h0`).join("");
-
-/** @param {number[][]} points @param {number} r half a diagonal */
-export const diamonds = (points, r) =>
-  points.map(([x, y]) => `M${px(x - r)} ${px(y)}l${r}-${r} ${r} ${r}-${r} ${r}z`).join("");
-
-/** @param {number[][]} points @param {number} r */
-export const circles = (points, r) => points.map(([x, y]) =>
-  `M${px(x - r)} ${px(y)}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0`).join("");
-
-/** Upright crosses. @param {number[][]} points @param {number} r */
-export const crosses = (points, r) =>
-  points.map(([x, y]) => `M${px(x - r)} ${px(y)}h${2 * r}m-${r}-${r}v${2 * r}`).join("");
-
-/** Arrows from points to others, short ones without a tip.
- * @param {number[][]} from @param {number[][]} to @param {number} [head] */
-export function arrows(from, to, head = 6) {
-  let lines = "", tips = "";
-  from.forEach(([a, b], k) => {
-    const [c, d] = to[k], long = Math.hypot(c - a, d - b);
-    if (!Number.isFinite(long)) return;
-    lines += `M${px(a)} ${px(b)}L${px(c)} ${px(d)}`;
-    if (long < head) return;
-    const u = (c - a) / long * head, v = (d - b) / long * head;
-    tips += `M${px(c)} ${px(d)}L${px(c - u - v / 2)} ${px(d - v + u / 2)}L${px(c - u + v / 2)} ${px(d - v - u / 2)}z`;
-  });
-  return path("vi-e", lines) + path("vi-tip", tips);
-}
-
-/** The visitor's own mark: a cross hair. @param {number[]} at */
-export function crossHair([x, y]) {
-  const hair = circles([[x, y]], 9.5) + [[1, 0], [-1, 0], [0, 1], [0, -1]].map(([u, v]) =>
-    `M${px(x + 7 * u)} ${px(y + 7 * v)}l${8 * u} ${8 * v}`).join("");
-  return path("lesson-you-case", hair) + path("lesson-you", hair);
+/** @param {number[][][]} ends @param {number} [most] length of a tip @param {string} [kind] @param {string} [tip] */
+export function arrows(ends, most = HEAD, kind = "vi-e", tip = "vi-tip") {
+  const [shafts, tips] = arrowPaths(ends, most);
+  return path(kind, shafts) + path(tip, tips);
 }
 
 /** Words on a pill beside the middle of a line, or on it, where nothing is yet.
@@ -175,18 +129,38 @@ export const within = ([left, top, right, bottom], inside) => {
   return `<svg x="${x}" y="${y}" ${size}>${inside}</svg>`;
 };
 
-/** @param {number[][]} points @returns {{low: [number, number], high: [number, number]}} */
-export const extent = points => {
-  const all = (/** @type {number} */ k) => points.map(p => p[k]);
-  return {low: [Math.min(...all(0)), Math.min(...all(1))], high: [Math.max(...all(0)), Math.max(...all(1))]};
-};
+/** The part of a segment within a box.
+ * @param {number[]} p @param {number[]} q @param {Rectangle} box @returns {[number, number][]} empty for none */
+export function clipped(p, q, [left, top, right, bottom]) {
+  const d = [q[0] - p[0], q[1] - p[1]];
+  let from = 0, to = 1;
+  for (const [way, room] of [[-d[0], p[0] - left], [d[0], right - p[0]], [-d[1], p[1] - top], [d[1], bottom - p[1]]]) {
+    if (way === 0 ? room < 0 : false) return [];
+    if (way < 0) from = Math.max(from, room / way);
+    else if (way > 0) to = Math.min(to, room / way);
+  }
+  if (from >= to) return [];
+  return [[p[0] + from * d[0], p[1] + from * d[1]], [p[0] + to * d[0], p[1] + to * d[1]]];
+}
+
+/** The box around points. @param {Iterable<ArrayLike<number>>} points @returns {Rectangle} */
+export function around(points) {
+  /** @type {Rectangle} */
+  const box = [Infinity, Infinity, -Infinity, -Infinity];
+  for (const p of points) {
+    box[0] = Math.min(box[0], p[0]);
+    box[1] = Math.min(box[1], p[1]);
+    box[2] = Math.max(box[2], p[0]);
+    box[3] = Math.max(box[3], p[1]);
+  }
+  return box;
+}
 
 /** From points to places in a rectangle, as large as fits. @param {number[][]} points @param {Rectangle} box */
 export function fitted(points, [left, top, right, bottom]) {
-  const {low, high} = extent(points);
-  const scale = Math.min((right - left) / (high[0] - low[0]), (bottom - top) / (high[1] - low[1]));
-  const middle = [(left + right) / 2, (top + bottom) / 2];
-  const place = (/** @type {number[]} */ p) => middle.map((v, k) => v + (p[k] - (low[k] + high[k]) / 2) * scale);
+  const [x0, y0, x1, y1] = around(points), scale = Math.min((right - left) / (x1 - x0), (bottom - top) / (y1 - y0));
+  const place = (/** @type {number[]} */ [x, y]) =>
+    [(left + right) / 2 + (x - (x0 + x1) / 2) * scale, (top + bottom) / 2 + (y - (y0 + y1) / 2) * scale];
   return {scale, place};
 }
 

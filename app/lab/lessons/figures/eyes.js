@@ -1,16 +1,13 @@
-/**
- * Pictures 1 and 2 of the two cameras at one arm: a mark and the line that its slide along a ray draws, or three marks,
- * the lines of their rays, and the epipole in which these meet.
- *
- * @import {Stage, FigureKind} from "../stage.js"
- */
+/** Pictures 1 and 2 of the two cameras at one arm: a mark and the line that its slide along a ray draws, or three
+ * marks, the lines of their rays, and the epipole in which these meet.
+ * @import {Stage, FigureKind} from "../stage.js" @import {Camera} from "../../engine/camera.js" */
 import {projectPoint} from "../../engine/camera.js";
-import {transform} from "../../engine/kinematics.js";
-import {outermost, silhouette} from "../../view/images.js";
+import {outermost, silhouettes} from "../../view/images.js";
 import {px} from "../../view/svg.js";
 import {camerasOf, epipole, MARKS, markOf, marksOf, onRay, PLACES, rayLine, sliding, through} from "../rays.js";
 import {Names} from "./names.js";
-import {around, arrow, clipped, disc, isStill, Plane} from "./plane.js";
+import {around, arrows, circles, clipped, polyline} from "./drawing.js";
+import {isStill, Plane} from "./plane.js";
 
 const MARGIN = /** @type {[number, number, number, number]} */ ([24, 40, 24, 36]); // drawing units, that stay free
 const STICK_PX = 60; // of a stick that the window of picture 1 holds
@@ -33,9 +30,7 @@ class Picture {
     this.hulls = outermost(stage.page.hulls);
   }
 
-  resize() {
-    this.plane.measure();
-  }
+  resize() { this.plane.measure(); }
 
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {
@@ -50,7 +45,7 @@ class Picture {
   }
 
   /** A mark on a stick, and where its slide takes it.
-   * @param {Stage} stage @param {Set<string>} layers @param {import("../../engine/camera.js").Camera[]} cameras
+   * @param {Stage} stage @param {Set<string>} layers @param {Camera[]} cameras
    * @param {(p: ArrayLike<number>) => [number, number, number]} see @param {Names} names */
   #stick({world, reveal}, layers, cameras, see, names) {
     const {plane} = this, mark = markOf(world), slide = sliding(reveal), first = cameras[0];
@@ -63,18 +58,18 @@ class Picture {
     if (layers.has("epipolar line") && reveal > 0 && slide.reached > PLACES[0]) {
       const whole = plane.ends(rayLine(cameras[1], first, mark));
       const part = reveal < 1 ? [at(onRay(first, mark, PLACES[0])), at(onRay(first, mark, slide.reached))] : whole;
-      html += `<path class="draw-line" d="M${part.map(p => p.map(px).join(" ")).join("L")}"/>`;
+      html += `<path class="draw-line" d="${polyline(part)}"/>`;
       if (part.length) names.keepLine(part, 4);
     }
     if (layers.has("dots")) for (const share of PLACES.filter(slide.passed)) {
       const p = at(onRay(first, mark, share));
-      html += `<path class="draw-place" d="${disc(...p, 4.5)}"/>`;
+      html += `<path class="draw-place" d="${circles([p], 4.5)}"/>`;
       names.keep(p, 6);
     }
     if (layers.has("chosen")) {
       const p = at(now), foot = at([now[0], now[1], 0]);
       html += `<path class="draw-stick" d="M${px(foot[0])} ${px(foot[1])}L${px(p[0])} ${px(p[1])}"/>` +
-        `<path class="draw-mark-dot" d="${disc(...p, 6.5)}"/>`;
+        `<path class="draw-mark-dot" d="${circles([p], 6.5)}"/>`;
       names.keep(p, 8);
       names.keepLine([p, foot], 4);
     }
@@ -89,11 +84,11 @@ class Picture {
   }
 
   /** An arm with three marks, the lines of their rays, and where these meet.
-   * @param {Stage} stage @param {Set<string>} layers @param {import("../../engine/camera.js").Camera[]} cameras
+   * @param {Stage} stage @param {Set<string>} layers @param {Camera[]} cameras
    * @param {(p: ArrayLike<number>) => [number, number, number]} see @param {Names} names */
   #arm(stage, layers, cameras, see, names) {
     const {plane} = this, frames = stage.world.arms.demonstrator.linkFrames(stage.moment.thetaDemo);
-    const hulls = this.hulls.map(({link, vertices}) => silhouette(vertices.map(v => see(transform(frames[link], v)))));
+    const hulls = silhouettes(this.hulls, frames, see);
     const body = around(hulls.flat()), middle = [(body[0] + body[2]) / 2, (body[1] + body[3]) / 2];
     const e = epipole(cameras[1], cameras[0]), away = [e[0] - middle[0], e[1] - middle[1]], far = Math.hypot(...away);
     const opened = layers.has("epipole") ? Math.min(1, stage.reveal / EASE) : 0;
@@ -112,15 +107,15 @@ class Picture {
       lines.forEach((line, k) => {
         const ends = grown < 1 ? towards(at[k], hole, grown, plane) : plane.ends(line);
         if (!ends.length) return;
-        html += `<path class="draw-line" d="M${ends.map(p => p.map(px).join(" ")).join("L")}"/>`;
+        html += `<path class="draw-line" d="${polyline(ends)}"/>`;
         names.keepLine(ends);
       });
     }
-    at.forEach(p => { html += `<path class="draw-mark-dot" d="${disc(...p, 6.5)}"/>`; });
+    at.forEach(p => { html += `<path class="draw-mark-dot" d="${circles([p], 6.5)}"/>`; });
     if (layers.has("epipole") && opened === 1) {
       const isIn = hole[0] > 12 && hole[0] < plane.width - 12 && hole[1] > 12 && hole[1] < plane.height - 12;
       if (isIn) {
-        html += `<path class="draw-hole" d="${disc(...hole, 8)}"/>`;
+        html += `<path class="draw-hole" d="${circles([hole], 8)}"/>`;
         names.keep(hole, 10);
         names.put(plane.width < 340 ? "epipole" : "epipole: camera 1, as camera 2 sees it", hole, "vi-chosen",
           {away: 13});
@@ -144,10 +139,9 @@ class Picture {
     const edge = ends.find(isAhead) ?? ends[1];
     const u = [edge[0] - from[0], edge[1] - from[1]].map((v, _, all) => v / Math.hypot(...all));
     const tip = [edge[0] - 8 * u[0], edge[1] - 8 * u[1]], tail = [tip[0] - 34 * u[0], tip[1] - 34 * u[1]];
-    const [shaft, head] = arrow(tail, tip, 9);
     names.keepLine([tail, tip], 6);
     names.put(`epipole, ${Math.round(far)} px that way`, tail, "vi-chosen", {away: 10});
-    return `<path class="draw-beyond" d="${shaft}"/><path class="draw-beyond-tip" d="${head}"/>`;
+    return arrows([[tail, tip]], 9, "draw-beyond", "draw-beyond-tip");
   }
 }
 

@@ -6,7 +6,8 @@ import {dot, symmetricEigen} from "../../engine/algebra.js";
 import {projectPoint, select} from "../../engine/engine.js";
 import {Altered, mapOf, medianCondition} from "../maps.js";
 import {diamonds, Drawing, fitted, path, polyline, rectangle} from "./drawing.js";
-import {MapPanel, part} from "./panels.js";
+import {make} from "../dom.js";
+import {MapPanel} from "./panels.js";
 
 const FEWEST = 4, STEP_DEG = 1.5;
 const LEFT_OF_DEPTH = .1; // of the points' distances from the plane: exactly in it, rounding would shape the map
@@ -57,9 +58,10 @@ function relief(map) {
 
 /** The demonstrator's points in l: those that are matched are filled. @param {HTMLElement} within */
 function pointsPanel(within) {
-  const box = part(within, "lesson-panel"), head = part(box, "lesson-panel-head");
-  head.innerHTML = "<b>What is matched, in l</b><span></span>";
-  const note = /** @type {HTMLElement} */ (head.lastElementChild), drawing = new Drawing(part(box, "lesson-plain"), "");
+  const note = make("span"), box = make("div", {class: "lesson-plain"});
+  within.append(make("div", {class: "lesson-panel"},
+    make("div", {class: "lesson-panel-head"}, make("b", {}, "What is matched, in l"), note), box));
+  const drawing = new Drawing(box, "");
   return {
     resize: () => drawing.measure(),
     /** @param {Stage} stage @param {number} count */
@@ -86,16 +88,11 @@ const total = stage => bestOrder(stage).length;
 /** How many matches are used: few before the answer, then as the slider says. @param {Stage} stage */
 const matchesShown = stage => stage.isRevealed ? Math.round(stage.sliders.get("matches") ?? FEWEST) : FEWEST;
 
-/** @type {WeakMap<World, number[]>} */
-const orders = new WeakMap();
+const orders = /** @type {WeakMap<World, number[]>} */ (new WeakMap());
 
-/**
- * The points as they are added: the four whose shape is the least flat, by the third singular value, then one after the
- * other the one that makes it least flat.
- *
- * @param {Stage} stage
- * @returns {number[]}
- */
+/** The points as they are added: the four whose shape is the least flat, by the third singular value, then one after
+ * the other the one that makes it least flat.
+ * @param {Stage} stage @returns {number[]} */
 export function bestOrder({world, moment: {views, usable}}) {
   const known = orders.get(world);
   if (known) return known;
@@ -119,8 +116,7 @@ function subsets(of, count) {
   return of.flatMap((first, k) => subsets(of.slice(k + 1), count - 1).map(rest => [first, ...rest]));
 }
 
-/** @type {WeakMap<World, Map<string, Altered>>} */
-const worlds = new WeakMap();
+const worlds = /** @type {WeakMap<World, Map<string, Altered>>} */ (new WeakMap());
 
 /** @param {World} world @param {string} name @param {() => World["body"]} body */
 function worldWith(world, name, body) {

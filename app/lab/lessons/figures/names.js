@@ -1,8 +1,7 @@
 /** Names in a drawing that cover neither each other nor what has to be seen.
- * @typedef {import("./plane.js").Box} Box in drawing units */
-import {px} from "../../view/svg.js";
-import {escaped, widthOf} from "./drawing.js";
-import {clipped} from "./plane.js";
+ * @typedef {Rectangle} Box in drawing units @import {Rectangle} from "./drawing.js" */
+import {escaped, px} from "../../view/svg.js";
+import {clipped, widthOf} from "./drawing.js";
 
 const SIDES = [[1, -1], [1, 1], [-1, -1], [-1, 1], [0, -1], [0, 1], [1, 0], [-1, 0]]; // of a place, for its name
 const MAX_RINGS = 8, RING = 14; // how far a name goes from its place, drawing units
@@ -15,9 +14,7 @@ export class Names {
   html = "";
 
   /** @param {Box} bounds within which names stay */
-  constructor(bounds) {
-    this.bounds = bounds;
-  }
+  constructor(bounds) { this.bounds = bounds; }
 
   /** Keep a place free. @param {ArrayLike<number>} p drawing units @param {number} radius */
   keep(p, radius) {
@@ -35,9 +32,7 @@ export class Names {
   }
 
   /** @param {Box} box */
-  keepBox(box) {
-    this.taken.push(box);
-  }
+  keepBox(box) { this.taken.push(box); }
 
   /** Whether a box is within the bounds and covers nothing that is kept free. @param {Box} box */
   isFree(box) {

@@ -1,57 +1,33 @@
 /** Figures that are numbers: E with its formula, how E went, who came how far, and what the crossing is near to.
  * @import {Stage, FigureKind, Race} from "../stage.js" */
-import {energyText, fixed} from "../../view/svg.js";
+import {farthest} from "../../engine/engine.js";
+import {energyText, escaped, fixed} from "../../view/svg.js";
 import {verdicts} from "../../view/words.js";
 import {measure} from "../measures.js";
-import {Chart, stepTicks} from "./chart.js";
-import {escaped} from "./drawing.js";
+import {make} from "../dom.js";
+import {RACERS} from "../stage.js";
+import {written} from "./cards.js";
+import {Chart, charted, stepTicks} from "./chart.js";
 
-const DEGREE = Math.PI / 180;
 const MIN_E = 1e-3, MIN_STEPS = 6; // px², steps: of the axes at least
 const FILLED = .85; // of the width, by squares: the rest is for numbers that are wider than theirs
 const FEW = 30; // steps, of which test moves are hollow
-const TITLES = /** @type {Record<string, [string, string]>} */ ({ // of servos: role, name
-  "trust-region": ["learner", "trust region"], broyden: ["opponent", "Broyden"],
-  "gradient-retuned": ["plain", "gradient law"], gradient: ["plain", "the paper’s law"],
-});
 
-/** @param {HTMLElement} box @param {string} kind */
-function holder(box, kind) {
-  const made = box.appendChild(document.createElement("div"));
-  made.className = kind;
-  return made;
-}
-
-/** An HTML figure.
- * @param {(stage: Stage, layers: Set<string>) => [string, string]} draw its HTML and what a screen reader says
- * @param {string} kind its class @param {Partial<FigureKind>} [about] @returns {FigureKind} */
-const written = (draw, kind, about = {}) => ({
-  layers: [], ...about,
-  create: box => {
-    const made = holder(box, kind);
-    let last = "";
-    return {draw: (stage, layers) => {
-      const [html, label] = draw(stage, layers);
-      if (html === last) return;
-      made.innerHTML = last = html;
-      made.setAttribute("aria-label", label);
-      made.setAttribute("role", "group");
-    }};
-  },
-});
+/** @param {string} kind @param {number} aspect @param {(stage: Stage) => [string, string]} write @returns {FigureKind} */
+const words = (kind, aspect, write) => ({layers: [], aspect, create: written(kind, write, true)});
 
 /** E, and how near the crossing is to the learner's own point and to the ghost's. */
-export const counts = written(stage => {
+export const counts = words("draw-counts", 2.6, stage => {
   const of = (/** @type {string} */ name) => stage.isRevealed ? measure(stage, name).text : "?";
   const rows = [["E", measure(stage, "E").text, "draw-name-E"],
     ["Crossing to the ghost", of("crossing to ghost"), ""], ["Crossing to own point", of("crossing to own point"), ""]];
   const html = rows.map(([name, value, kind]) =>
     `<div><dt>${escaped(name)}</dt><dd class="${kind}">${escaped(value)}</dd></div>`).join("");
   return [`<dl>${html}</dl>`, rows.map(([name, value]) => `${name}: ${value}`).join(". ")];
-}, "draw-counts", {aspect: 2.6});
+});
 
 /** E as the mean of the squared arrows, each of them a square of that area. */
-export const formula = written(stage => {
+export const formula = words("draw-formula", 1.3, stage => {
   const {moment} = stage, found = stage.recovered(), count = moment.usable.length;
   if (!moment.fitted) return ["<p>Too few points are seen.</p>", "Too few points are seen."];
   const squares = [0, 2].map(k => moment.usable.map(i => {
@@ -76,16 +52,15 @@ ${row(squares[0], "L", sums[0])}${row(squares[1], "R", sums[1])}
 <span> = <b class="draw-name-E">${escaped(energyText(E))} px²</b></span></p>`;
   return [html, `E is ${energyText(sums[0])} plus ${energyText(sums[1])}, divided by two times ${count} points: ` +
     `${energyText(E)} px².`];
-}, "draw-formula", {aspect: 1.3});
+});
 
 /** E as one large number, how it went step by step, and the goal. @type {FigureKind} */
 export const progress = {
   layers: [],
   aspect: 1,
   create: box => {
-    const made = holder(holder(box, "draw-progress"), "draw-inside"), words = holder(made, "draw-words");
-    const below = made.appendChild(document.createElement("div"));
-    below.className = "draw-progress-curve";
+    const words = make("div", {class: "draw-words"}), below = make("div", {class: "draw-progress-curve"});
+    box.append(make("div", {class: "draw-progress"}, make("div", {class: "draw-inside"}, words, below)));
     const chart = new Chart(below);
     let last = "";
     return {
@@ -118,22 +93,22 @@ function raceRow(stage, race) {
   const {E, postures, claim} = race, last = stage.last(race), {goal} = stage;
   const shown = stage.played(Math.max(...Object.values(stage.races).map(one => one.E.length)));
   if (shown < last) return ["…", energyText(E[shown]), "", ""];
-  const off = Math.max(...postures[last].map((v, k) => Math.abs(v - stage.moment.thetaDemo[k]))) / DEGREE;
+  const off = farthest(postures[last], stage.moment.thetaDemo);
   const isThere = goal !== null && E[last] < goal;
   return [isThere ? String(last) : "never", energyText(E[last]), `${fixed(off)}°`,
     isThere ? "" : verdicts[claim.status].label];
 }
 
 /** Who came how far from the same start, the visitor first. */
-export const standings = written(stage => {
+export const standings = words("draw-standings", 2.2, stage => {
   const {goal, motions, steps} = stage, heads = ["", goal === null ? "steps" : `steps to ${goal}\u00a0px²`, "E", "off", ""];
   const rows = (stage.step.race ?? []).flatMap(servo => {
-    const race = stage.race(servo), [role, title] = TITLES[servo] ?? ["plain", servo];
+    const race = stage.race(servo), [role, title] = RACERS[servo] ?? ["plain", servo];
     return race ? [[role, title, ...raceRow(stage, race)]] : [];
   });
   if (steps) {
     const {E, theta} = motions[steps], isThere = goal !== null && E < goal;
-    const off = Math.max(...theta.map((v, k) => Math.abs(v - stage.moment.thetaDemo[k]))) / DEGREE;
+    const off = farthest(theta, stage.moment.thetaDemo);
     rows.unshift(["you", "you", isThere ? String(steps) : "never", energyText(E), `${fixed(off)}°`, ""]);
   }
   const sample = (/** @type {string} */ role) =>
@@ -144,32 +119,26 @@ export const standings = written(stage => {
   const head = heads.map(words => words ? `<th scope="col">${escaped(words)}</th>` : "<td></td>").join("");
   return [`<table><thead><tr>${head}</tr></thead><tbody>${body}</tbody></table>`,
     `Steps to the goal from the same start. ${rows.map(([, title, steps]) => `${title}: ${steps}`).join("; ")}`];
-}, "draw-standings", {aspect: 2.2});
+});
 
 /** How far off each prediction was. @type {FigureKind} */
 export const predictions = {
   layers: [],
   title: "How far off your predictions were, px",
   aspect: 1.1,
-  create: box => {
-    const chart = new Chart(box);
-    return {
-      resize: () => chart.resize(),
-      draw: ({rounds}) => {
-        const distance = (/** @type {number[]} */ p, /** @type {number[]} */ q) => Math.hypot(p[0] - q[0], p[1] - q[1]);
-        const off = rounds.map(({mark, to}) => distance(mark, to)), count = Math.max(6, off.length);
-        const last = rounds[off.length - 1];
-        const share = last ? distance(last.mark, last.to) / distance(last.from, last.to) : Infinity;
-        chart.draw({
-          x: [.4, count + .6], y: [0, 1.15 * Math.max(20, ...off)], xName: "turn",
-          xTicks: Array.from({length: count}, (_, k) => [k + 1, String(k + 1)]),
-          yName: share < 1 ? `the last: ${Math.round(100 * share)} % of the way` : "",
-        }, off.map((value, k) =>
-          ({points: [[k + 1, 0], [k + 1, value]], role: "bar", named: 1, name: String(Math.round(value))})),
-        off.length ? `Your predictions were off by ${off.map(Math.round).join(", ")} px.` : "No prediction yet.");
-      },
-    };
-  },
+  create: charted(({rounds}) => {
+    const distance = (/** @type {number[]} */ p, /** @type {number[]} */ q) => Math.hypot(p[0] - q[0], p[1] - q[1]);
+    const off = rounds.map(({mark, to}) => distance(mark, to)), count = Math.max(6, off.length);
+    const last = rounds[off.length - 1];
+    const share = last ? distance(last.mark, last.to) / distance(last.from, last.to) : Infinity;
+    return [{
+      x: [.4, count + .6], y: [0, 1.15 * Math.max(20, ...off)], xName: "turn",
+      xTicks: Array.from({length: count}, (_, k) => [k + 1, String(k + 1)]),
+      yName: share < 1 ? `the last: ${Math.round(100 * share)} % of the way` : "",
+    }, off.map((value, k) =>
+      ({points: [[k + 1, 0], [k + 1, value]], role: "bar", named: 1, name: String(Math.round(value))})),
+    off.length ? `Your predictions were off by ${off.map(Math.round).join(", ")} px.` : "No prediction yet."];
+  }),
 };
 
 /** E of both servos, step by step. @type {FigureKind} */
@@ -177,31 +146,25 @@ export const energies = {
   layers: ["curves"],
   title: "E after each step",
   aspect: 1.4,
-  create: box => {
-    const chart = new Chart(box);
-    return {
-      resize: () => chart.resize(),
-      draw: (stage, layers) => {
-        const {goal} = stage, hasCurves = layers.has("curves"), races = (stage.step.race ?? []).flatMap(servo => {
-          const race = stage.race(servo), [role, title] = TITLES[servo] ?? ["plain", servo];
-          return race ? [{role, title, last: stage.last(race), probes: race.probes,
-            E: race.E.slice(0, stage.last(race) + 1)}] : [];
-        });
-        const all = races.flatMap(({E}) => E).filter(Number.isFinite);
-        const end = Math.max(MIN_STEPS, ...races.map(({last}) => last));
-        const shown = stage.played(end + 1);
-        const curves = races.map(({role, title, last, probes, E}) => ({
-          role, points: E.map((value, k) => [k, Math.max(value, MIN_E)]), shown: hasCurves ? shown + 1 : 1,
-          hollow: last < FEW ? E.map((_, k) => Boolean(probes[k + 1])) : [],
-          name: hasCurves ? `${title}${shown >= last ? `: ${last}` : ""}` : "",
-        }));
-        const least = Math.max(MIN_E, Math.min(...all, goal ?? Infinity));
-        const words = hasCurves ? races.map(({title, last}) => `${title}: ${last} steps`).join("; ") : "E at the start";
-        chart.draw({
-          x: [0, end], y: [least / 1.5, Math.max(...all) * 1.5], log: true, xTicks: stepTicks(end), xName: "steps",
-          yName: "E, px²", levels: goal === null ? [] : [[goal, `goal ${goal}`, "goal"]],
-        }, curves, words);
-      },
-    };
-  },
+  create: charted((stage, layers) => {
+    const {goal} = stage, hasCurves = layers.has("curves"), races = (stage.step.race ?? []).flatMap(servo => {
+      const race = stage.race(servo), [role, title] = RACERS[servo] ?? ["plain", servo];
+      return race ? [{role, title, last: stage.last(race), probes: race.probes,
+        E: race.E.slice(0, stage.last(race) + 1)}] : [];
+    });
+    const all = races.flatMap(({E}) => E).filter(Number.isFinite);
+    const end = Math.max(MIN_STEPS, ...races.map(({last}) => last));
+    const shown = stage.played(end + 1);
+    const curves = races.map(({role, title, last, probes, E}) => ({
+      role, points: E.map((value, k) => [k, Math.max(value, MIN_E)]), shown: hasCurves ? shown + 1 : 1,
+      hollow: last < FEW ? E.map((_, k) => Boolean(probes[k + 1])) : [],
+      name: hasCurves ? `${title}${shown >= last ? `: ${last}` : ""}` : "",
+    }));
+    const least = Math.max(MIN_E, Math.min(...all, goal ?? Infinity));
+    const words = hasCurves ? races.map(({title, last}) => `${title}: ${last} steps`).join("; ") : "E at the start";
+    return [{
+      x: [0, end], y: [least / 1.5, Math.max(...all) * 1.5], log: true, xTicks: stepTicks(end), xName: "steps",
+      yName: "E, px²", levels: goal === null ? [] : [[goal, `goal ${goal}`, "goal"]],
+    }, curves, words];
+  }),
 };

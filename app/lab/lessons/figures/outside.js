@@ -1,13 +1,13 @@
 /** Cameras and what they look at, from outside: a mark on a stick that slides along a ray of camera 1, an arm with the
  * rays of three marks, or both arms with the eyes between them.
- * @import {Stage, FigureKind} from "../stage.js" */
+ * @import {Stage, FigureKind, Mark} from "../stage.js" @import {Camera} from "../../engine/camera.js" */
 import {Outside} from "../../view/outside.js";
 import {add, px} from "../../view/svg.js";
 import {
   camerasOf, FIRST_SHARE, LAST_SHARE, MARKS, markOf, marksOf, onRay, OUTSIDE, outsideMark, PLACES, sliding, targetOf,
 } from "../rays.js";
 import {Names} from "./names.js";
-import {disc} from "./plane.js";
+import {circles} from "./drawing.js";
 
 const FLOOR_M = 0.5; // from line to line
 const NAME_PX = 13, SMALL_PX = 300, SMALL_SIDE = 170; // drawings that are smaller have shorter names, or fewer
@@ -33,9 +33,7 @@ class Room {
     this.resize();
   }
 
-  resize() {
-    this.outside.measure();
-  }
+  resize() { this.outside.measure(); }
 
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {
@@ -108,7 +106,7 @@ class Room {
     if (html !== this.last) this.over.innerHTML = this.last = html;
   }
 
-  /** @param {Stage} stage @param {Set<string>} layers @param {import("../../engine/camera.js").Camera[]} cameras */
+  /** @param {Stage} stage @param {Set<string>} layers @param {Camera[]} cameras */
   #over(stage, layers, cameras) {
     const {outside: view} = this, {world} = stage, at = (/** @type {ArrayLike<number>} */ p) => view.place(p);
     const names = new Names([0, 0, view.width, view.height]);
@@ -128,7 +126,7 @@ class Room {
       const marks = marksOf(stage);
       marks.forEach(p => draws("draw-ray", segment(cameras[0].centre, p)));
       marks.forEach((p, k) => {
-        draws("draw-mark-dot", disc(...at(p), 5));
+        draws("draw-mark-dot", circles([at(p)], 5));
         names.keep(at(p), 7);
         if (!isSmall) names.put(MARKS[k], at(p), "vi-chosen", {away: 8});
       });
@@ -147,13 +145,13 @@ class Room {
       const place = onRay(cameras[0], mark, share);
       draws("draw-sight", segment(cameras[1].centre, place));
       draws("draw-stick draw-faint", segment(foot(place), place));
-      draws("draw-place", disc(...at(place), 5));
+      draws("draw-place", circles([at(place)], 5));
       names.keep(at(place), 6);
     }
     if (layers.has("stick")) {
       draws("draw-stick", segment(foot(now), now));
-      draws("draw-foot", disc(...at(foot(now)), 2.5));
-      draws("draw-mark-dot", disc(...at(now), isSmall ? 6 : 8));
+      draws("draw-foot", circles([at(foot(now))], 2.5));
+      draws("draw-mark-dot", circles([at(now)], isSmall ? 6 : 8));
       names.keep(at(now), 8);
       if (!(slide.isMoving && layers.has("sliding mark")))
         names.put("the mark", at(now), "vi-chosen", {size: NAME_PX, away: 12, first: [1, -1]});
@@ -187,7 +185,7 @@ class Room {
       `mark.${reveal < 1 ? " The mark slides along it." : " The mark has been at seven places on it."}`;
   }
 
-  /** @param {Stage} _ @param {import("../stage.js").Mark} mark */
+  /** @param {Stage} _ @param {Mark} mark */
   place(_, mark) {
     const {x, y, scale} = this.outside.window, {unit} = this.outside;
     return /** @type {[number, number]} */ ([(mark[0] / OUTSIDE.unit - x) * scale * unit,
@@ -201,6 +199,6 @@ class Room {
   }
 }
 
-/** @param {import("../../engine/camera.js").Camera} camera @param {number} depth m */
+/** @param {Camera} camera @param {number} depth m */
 const onAxis = ({centre, rotation: R}, depth) => centre.map((v, i) => v + depth * R[3 * i + 2]);
 

@@ -1,7 +1,5 @@
-/**
- * Small maps of E beside each other, each with its title and what it comes to.
- *
- * @import {Landscape} from "../../engine/landscape.js"
+/** Small maps of E beside each other, each with its title and what it comes to.
+ * @import {Landscape} from "../../engine/landscape.js" @import {Scene} from "../stage.js"
  * @typedef {Object} MapOfE
  * @property {string} title
  * @property {string} words what it comes to; empty for nothing
@@ -9,40 +7,27 @@
  * @property {string} [instead] large words on a plane without relief
  * @property {number[] | null} demonstrator rad
  * @property {number[][]} lowest rad, the smallest E first
- * @property {boolean} [gap] whether a line leads from the smallest E to the demonstrator
- */
+ * @property {boolean} [gap] whether a line leads from the smallest E to the demonstrator */
 import {EnergyMap} from "../../view/map.js";
-import {add} from "../../view/svg.js";
+import {make} from "../dom.js";
 import {crosses, diamonds, path, polyline, text} from "./drawing.js";
 import {Names} from "./names.js";
-
-/** Boxes of a figure that has several parts. @param {HTMLElement} within @param {string} kind */
-export function part(within, kind) {
-  const box = document.createElement("div");
-  box.className = kind;
-  within.append(box);
-  return box;
-}
 
 export class MapPanel {
   /** @param {HTMLElement} within */
   constructor(within) {
-    this.box = part(within, "lesson-panel");
-    const head = part(this.box, "lesson-panel-head");
-    this.title = head.appendChild(document.createElement("b"));
-    this.words = head.appendChild(document.createElement("span"));
-    const box = part(this.box, "lesson-map");
-    box.append(document.createElement("canvas"));
-    add(box, "svg", {class: "vi lesson-drawing", role: "img"});
+    this.title = make("b");
+    this.words = make("span");
+    const box = make("div", {class: "lesson-map"});
+    this.box = within.appendChild(make("div", {class: "lesson-panel"},
+      make("div", {class: "lesson-panel-head"}, this.title, this.words), box));
     this.map = new EnergyMap(box);
     this.ground = "";
   }
 
-  resize() {
-    this.ground = "";
-  }
+  resize() { this.ground = ""; }
 
-  /** @param {MapOfE} what @param {import("../stage.js").Scene} scene */
+  /** @param {MapOfE} what @param {Scene} scene */
   draw({title, words, map: made, instead = "", demonstrator, lowest, gap = false}, {lower, upper, names: joints}) {
     const {map} = this, key = `${made?.key} ${document.documentElement.dataset.scheme}`;
     this.title.textContent = title;
@@ -63,10 +48,7 @@ export class MapPanel {
     const middle = (top + bottom) / 2 + (instead.length > 1 ? 6 : 17);
     if (instead) over += text((left + right) / 2, middle, instead, `${size} vi-b vi-mid`);
     map.moving.innerHTML = over + names.html;
-    for (const level of map.levels.querySelectorAll(".vi-level")) {
-      const x = Number(level.getAttribute("x")), y = Number(level.getAttribute("y"));
-      level.classList.toggle("lesson-covered", !names.isFree([x - 13, y - 12, x + 13, y + 4]));
-    }
+    map.clear(box => names.isFree(box));
     map.over.setAttribute("aria-label", `Map of E, ${title}: ${instead || words || "hidden"}`);
   }
 }

@@ -1,16 +1,11 @@
-/**
- * Eyes turned inwards: the map of E as they see and rectified by their matches, and the matches of both eyes, which lie
- * in equal rows then.
- *
- * @import {Stage, FigureKind} from "../stage.js"
- * @import {World} from "../../engine/world.js"
- * @typedef {{left: number[], right: number[]}} Rectification homographies of the left and the right eye, row by row
- */
-import {conflict, Landscape, select, TRANSFERS} from "../../engine/engine.js";
+/** Eyes turned inwards: the map of E as they see and rectified by their matches, and the matches of both eyes, which
+ * lie in equal rows then.
+ * @import {Stage, FigureKind} from "../stage.js" @import {World} from "../../engine/world.js"
+ * @typedef {{left: number[], right: number[]}} Rectification homographies of the left and the right eye, row by row */
+import {conflict, farthest, Landscape, select, TRANSFERS} from "../../engine/engine.js";
 import {fixed} from "../../view/svg.js";
-import {lowest, MAP_DEG, mapOf, smallest} from "../maps.js";
-import {farthest} from "./bowl.js";
-import {diamonds, extent, path, polyline, rectangle, sketched, text, widthOf} from "./drawing.js";
+import {lowestOf, MAP_DEG, mapOf, smallest} from "../maps.js";
+import {around, diamonds, path, polyline, rectangle, sketched, text, widthOf} from "./drawing.js";
 import {MapPanel} from "./panels.js";
 
 const LAYERS = ["as seen", "rectified"], TITLES = ["As the eyes see", "Rectified by matches alone"];
@@ -69,8 +64,7 @@ export function mappedAsSeen({world, session: {settings: {transfer}}, moment}) {
   return {map: mapOf(world, transfer, demo), least: smallest(world, transfer, demo)};
 }
 
-/** @type {WeakMap<World, Mapped>} */
-const known = new WeakMap();
+const known = /** @type {WeakMap<World, Mapped>} */ (new WeakMap());
 
 /** E of a transfer between rectified images. It is measured in the images as they are.
  * @param {Stage} stage @returns {Mapped} */
@@ -87,7 +81,7 @@ export function mappedRectified({world, session: {settings: {transfer}}, moment,
   };
   const landscape = new Landscape(world, MAP_DEG);
   for (let g = 0; g < landscape.count; g++) landscape.E[g] = energyAt(landscape.posture(g));
-  const mapped = {map: {landscape, key: "rectified"}, least: lowest(landscape, energyAt)};
+  const mapped = {map: {landscape, key: "rectified"}, least: lowestOf(landscape, energyAt)};
   known.set(world, mapped);
   return mapped;
 }
@@ -132,12 +126,12 @@ function rows({layer, images}, top, width, height) {
   const pointsOf = (/** @type {number} */ k) =>
     Array.from({length: count}, (_, i) => [images[4 * i + k], images[4 * i + k + 1]]);
   const points = [pointsOf(0), pointsOf(2)];
-  const each = points.map(extent), {low, high: most} = extent(points.flat());
-  const widest = Math.max(...each.map(of => of.high[0] - of.low[0]));
-  const scale = Math.min((high - 2 * MARGIN) / (most[1] - low[1]), (wide - 2 * MARGIN) / widest);
+  const each = points.map(around), [, lowest, , highest] = around(points.flat());
+  const widest = Math.max(...each.map(([left, , right]) => right - left));
+  const scale = Math.min((high - 2 * MARGIN) / (highest - lowest), (wide - 2 * MARGIN) / widest);
   const placed = points.map((of, side) => of.map(([x, y]) => [
-    side * (wide + GAP) + wide / 2 + (x - (each[side].low[0] + each[side].high[0]) / 2) * scale,
-    top + head + high / 2 + (y - (low[1] + most[1]) / 2) * scale,
+    side * (wide + GAP) + wide / 2 + (x - (each[side][0] + each[side][2]) / 2) * scale,
+    top + head + high / 2 + (y - (lowest + highest) / 2) * scale,
   ]));
   const planes = [0, 1].map(side => rectangle("vi-plane", side * (wide + GAP) + .5, top + head, wide - 1, high, 5)
     + text(side * (wide + GAP) + 8, top + head + 18, "lr"[side], "vi-name"));

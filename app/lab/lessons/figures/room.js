@@ -1,12 +1,12 @@
 /** The room from above, with the demonstrator moved about in it, and E there beside E of other shapes.
- * @import {Stage, FigureKind} from "../stage.js" */
-import {transform} from "../../engine/kinematics.js";
-import {outermost, silhouette} from "../../view/images.js";
+ * @import {Stage, FigureKind} from "../stage.js" @import {Place} from "../places.js" */
+import {outermost, silhouettes} from "../../view/images.js";
 import {energyText, px} from "../../view/svg.js";
 import {movedPlaces} from "../places.js";
 import {Chart} from "./chart.js";
 import {Names} from "./names.js";
-import {around, Plane} from "./plane.js";
+import {around} from "./drawing.js";
+import {Plane} from "./plane.js";
 
 const GRID_M = 0.5, PEDESTAL_M = 0.15; // between lines; half its side
 const HEAD_M = 0.05; // half a head's depth in the drawing
@@ -18,7 +18,7 @@ const MIN_E = 0.3;
 const above = p => [-p[1], -p[0]];
 
 /** E in all places of a stage: it is asked for in every frame.
- * @type {WeakMap<Stage, {key: string, places: import("../places.js").Place[]}>} */
+ * @type {WeakMap<Stage, {key: string, places: Place[]}>} */
 const known = new WeakMap();
 /** @param {Stage} stage */
 function placesOf(stage) {
@@ -44,19 +44,15 @@ class Room {
     this.hulls = outermost(stage.page.hulls);
   }
 
-  resize() {
-    this.plane.measure();
-  }
+  resize() { this.plane.measure(); }
 
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {
     const {plane} = this, {arms, scene} = stage.world, {moment} = stage;
     const names = new Names([0, 0, plane.width, plane.height]);
     const places = placesOf(stage), count = layers.has("places") ? Math.ceil(stage.reveal * places.length) : 0;
-    const outline = (/** @type {"demonstrator" | "learner"} */ who, /** @type {number[]} */ theta) => {
-      const frames = arms[who].linkFrames(theta);
-      return this.hulls.map(({link, vertices}) => silhouette(vertices.map(v => above(transform(frames[link], v)))));
-    };
+    const outline = (/** @type {"demonstrator" | "learner"} */ who, /** @type {number[]} */ theta) =>
+      silhouettes(this.hulls, arms[who].linkFrames(theta), above);
     const demonstrator = outline("demonstrator", moment.thetaDemo), learner = outline("learner", moment.theta);
     const moved = places.map(({x, y}) => demonstrator.map(points => points.map(([u, v]) => [u - y, v - x])));
     const head = above(scene.cameras[0].centre.map((v, i) => (v + scene.cameras[1].centre[i]) / 2));
@@ -85,8 +81,7 @@ class Room {
       sight(bases.learner);
       places.slice(0, count).forEach(({x, y}) => sight([bases.demonstrator[0] - y, bases.demonstrator[1] - x]));
     }
-    /** @type {[number[], string, string][]} */
-    const said = [];
+    const said = /** @type {[number[], string, string][]} */ ([]);
     moved.slice(0, count).forEach((hulls, k) => {
       const {x, y, E} = places[k];
       const base = body(hulls, [bases.demonstrator[0] - y, bases.demonstrator[1] - x], "vi-demo draw-moved");

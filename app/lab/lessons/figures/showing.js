@@ -1,32 +1,22 @@
 /** Teaching by showing as it goes: three gains side by side, a turned camera, and how far the dots are from the goal.
  * @import {Stage, FigureKind} from "../stage.js" @import {Run} from "../teach_by_showing.js" */
-import {projectPoint} from "../../engine/camera.js";
-import {transform} from "../../engine/kinematics.js";
-import {outermost, silhouette} from "../../view/images.js";
-import {px} from "../../view/svg.js";
+import {Outlines} from "../../view/images.js";
+import {DEGREE, px} from "../../view/svg.js";
 import {GAIN_STEPS, GAINS, gainRuns, THERE_PX, turnedPoint, turnedRuns, TURNED_STEPS} from "../measures_jacobian.js";
 import {rolled, stepsTo} from "../teach_by_showing.js";
-import {Chart, stepTicks} from "./chart.js";
+import {make} from "../dom.js";
+import {charted, stepTicks} from "./chart.js";
 import {Names} from "./names.js";
-import {around, disc, Plane} from "./plane.js";
+import {around, circles} from "./drawing.js";
+import {Plane} from "./plane.js";
 
-const DEGREE = Math.PI / 180;
 const ROLES = ["plain", "learner", "opponent"]; // of the three gains, and of still, old, Broyden
-const NEAREST_M = 0.05;
 const REACH_PX = 12; // around paths, that the window of the turned picture holds
 const INSET = 0.3, INSET_MOST = 170; // of the drawing's width; drawing units
 const SWINGS = 4; // last postures of which a gain that never arrives shows the way
 
-/** The links' outlines and the chain in L.
- * @param {Stage} stage @param {ReturnType<typeof outermost>} hulls @param {number[]} theta */
-function seenInL({world}, hulls, theta) {
-  const frames = world.arms.learner.linkFrames(theta), camera = world.pairs.learner[0];
-  return {
-    hulls: hulls.map(({link, vertices}) =>
-      silhouette(vertices.map(v => projectPoint(camera, transform(frames[link], v), NEAREST_M)))),
-    bones: frames.map(T => projectPoint(camera, [T[3], T[7], T[11]], NEAREST_M)),
-  };
-}
+/** The links' outlines and the chain in L. @param {Stage} stage @param {Outlines} outlines @param {number[]} theta */
+const seenInL = ({world}, outlines, theta) => outlines.of(world, "learner", theta, "in L")[0];
 
 /** A point's path in L. @param {Run} run @param {number} point @param {number} [upTo] how many steps */
 const pathOf = ({images}, point, upTo = images.length - 1) => images.slice(0, upTo + 1)
@@ -42,14 +32,11 @@ export const threeGains = {
 class Gains {
   /** @param {HTMLElement} box @param {Stage} stage */
   constructor(box, stage) {
-    this.box = box.appendChild(document.createElement("div"));
-    this.box.className = "draw-gains";
-    this.hulls = outermost(stage.page.hulls);
+    this.box = box.appendChild(make("div", {class: "draw-gains"}));
+    this.outlines = new Outlines(stage.page.hulls);
     this.panels = GAINS.map((gain, k) => {
-      const panel = this.box.appendChild(document.createElement("div"));
-      const title = panel.appendChild(document.createElement("p"));
-      const drawing = panel.appendChild(document.createElement("div"));
-      drawing.className = "draw-gain";
+      const title = make("p"), drawing = make("div", {class: "draw-gain"});
+      this.box.append(make("div", {}, title, drawing));
       return {gain, k, title, plane: new Plane(drawing)};
     });
   }
@@ -61,19 +48,19 @@ class Gains {
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {
     const runs = gainRuns(stage), steps = layers.has("paths") ? Math.round(stage.reveal * GAIN_STEPS) : 0;
-    const goal = seenInL(stage, this.hulls, stage.state.demonstrator);
-    const start = seenInL(stage, this.hulls, stage.state.start);
-    const shown = runs.flatMap(run => run.postures.slice(-SWINGS)).map(theta => seenInL(stage, this.hulls, theta));
+    const goal = seenInL(stage, this.outlines, stage.state.demonstrator);
+    const start = seenInL(stage, this.outlines, stage.state.start);
+    const shown = runs.flatMap(run => run.postures.slice(-SWINGS)).map(theta => seenInL(stage, this.outlines, theta));
     const spans = around([goal, start, ...shown].flatMap(one => one.hulls.flat()));
     for (const {gain, k, title, plane} of this.panels) {
       const run = runs[k], arrived = stepsTo(run, THERE_PX);
       const now = Math.min(steps, Number.isFinite(arrived) ? Math.max(arrived, 1) : steps);
-      const arm = seenInL(stage, this.hulls, run.postures[now]), images = run.images[now];
+      const arm = seenInL(stage, this.outlines, run.postures[now]), images = run.images[now];
       const points = stage.world.body.length;
       const each = Array.from({length: points}, (_, i) => i);
       plane.aim(spans, {margin: [10, 10, 10, 10], glide: false});
       const dots = (/** @type {Float64Array} */ of, /** @type {number} */ r) => each
-        .map(i => disc(...plane.at([of[4 * i], of[4 * i + 1]]), r)).join("");
+        .map(i => circles([plane.at([of[4 * i], of[4 * i + 1]])], r)).join("");
       const isDone = now === arrived && steps >= arrived;
       let html = `<g class="draw-dim">` +
         `<path class="vi-hull" d="${arm.hulls.map(points => plane.path(points, true)).join("")}"/></g>` +
@@ -104,12 +91,10 @@ class Turned {
   /** @param {HTMLElement} box @param {Stage} stage */
   constructor(box, stage) {
     this.plane = new Plane(box);
-    this.hulls = outermost(stage.page.hulls);
+    this.outlines = new Outlines(stage.page.hulls);
   }
 
-  resize() {
-    this.plane.measure();
-  }
+  resize() { this.plane.measure(); }
 
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {
@@ -132,7 +117,7 @@ class Turned {
     const moves = plane.aim([left - reach, top - reach, right + reach, bottom + reach],
       {margin: [20, 30, 20, 20], most: 14});
     const arms = [[stage.state.demonstrator, "draw-ghost"], [stage.state.start, ""]].map(([theta, kind]) => {
-      const {hulls} = seenInL(stage, this.hulls, /** @type {number[]} */ (theta));
+      const {hulls} = seenInL(stage, this.outlines, /** @type {number[]} */ (theta));
       return {hulls: hulls.map(turn), kind};
     });
     const names = new Names([0, 0, plane.width, plane.height]);
@@ -143,15 +128,15 @@ class Turned {
       const at = points.map(p => plane.at(p));
       html += `<path class="draw-track draw-of-${role}" d="${plane.path(points)}"/>`;
       if (role !== "plain") html +=
-        `<path class="draw-dots draw-of-${role}" d="${at.map(p => disc(...p, 2.8)).join("")}"/>`;
+        `<path class="draw-dots draw-of-${role}" d="${circles(at, 2.8)}"/>`;
       names.keepLine(at, 4);
     }
     const now = plane.at(shown.find(([layer]) => layer === "old Jacobian")?.[2].slice(-1)[0] ?? start);
     const ring = plane.at(goal), from = plane.at(start);
     names.keep(ring, 12);
     names.keep(from, 14);
-    if (layers.has("goal")) html += `<path class="draw-goal" d="${disc(...ring, 9)}"/>`;
-    html += `<path class="vi-ring" d="${disc(...from, 11)}"/><path class="draw-own-dot" d="${disc(...now, 5.5)}"/>`;
+    if (layers.has("goal")) html += `<path class="draw-goal" d="${circles([ring], 9)}"/>`;
+    html += `<path class="vi-ring" d="${circles([from], 11)}"/><path class="draw-own-dot" d="${circles([now], 5.5)}"/>`;
     const inset = layers.has("camera") ? this.#inset(stage, arms, names, roll) : "";
     if (layers.has("goal")) names.put("goal", ring, "vi-2nd", {away: 12, first: [1, -1]});
     names.put(stage.reveal > 0 ? "start" : "the dot", from, "vi-chosen", {away: 14, first: [-1, 1]});
@@ -211,31 +196,25 @@ export const dotToGoal = {
   layers: ["curves"],
   title: "Off the goal, px",
   aspect: 1.1,
-  create: box => {
-    const chart = new Chart(box);
-    return {
-      resize: () => chart.resize(),
-      draw: (stage, layers) => {
-        const isTurned = stage.sliders.has("roll"), last = isTurned ? TURNED_STEPS : GAIN_STEPS;
-        const runs = isTurned ? Object.values(turnedRuns(stage)) : gainRuns(stage);
-        const titles = isTurned ? ["not turned", "old Jacobian", "Broyden"] : GAINS.map(gain => `gain ${gain}`);
-        const steps = layers.has("curves") ? Math.round(stage.reveal * last) : 0;
-        const curves = runs.map((run, k) => {
-          const arrived = stepsTo(run, THERE_PX), isThere = stage.reveal === 1 && layers.has("curves");
-          const most = run.errors.slice(0, steps + 1)
-            .reduce((best, error, at, all) => error > all[best] && at < 8 ? at : best, 0);
-          const named = isTurned && k === 2 ? most : isTurned ? (k ? 9 : 4) : [8, 1, 6][k];
-          return {
-            points: run.errors.map((error, step) => [step, error]), role: ROLES[k], shown: steps + 1, named,
-            name: steps ? `${titles[k]}${isThere ? `: ${Number.isFinite(arrived) ? arrived : "never"}` : ""}` : "",
-          };
-        });
-        const most = Math.max(...runs.flatMap(({errors}) => errors));
-        chart.draw({
-          x: [0, last], y: [0, most * 1.12], xTicks: stepTicks(last), xName: "steps",
-          levels: [[THERE_PX, "there: 2 px", "goal"]],
-        }, curves, runs.map((run, k) => `${titles[k]}: ${steps ? stepsText(run) : "at the start"}`).join("; "));
-      },
-    };
-  },
+  create: charted((stage, layers) => {
+    const isTurned = stage.sliders.has("roll"), last = isTurned ? TURNED_STEPS : GAIN_STEPS;
+    const runs = isTurned ? Object.values(turnedRuns(stage)) : gainRuns(stage);
+    const titles = isTurned ? ["not turned", "old Jacobian", "Broyden"] : GAINS.map(gain => `gain ${gain}`);
+    const steps = layers.has("curves") ? Math.round(stage.reveal * last) : 0;
+    const curves = runs.map((run, k) => {
+      const arrived = stepsTo(run, THERE_PX), isThere = stage.reveal === 1 && layers.has("curves");
+      const most = run.errors.slice(0, steps + 1)
+        .reduce((best, error, at, all) => error > all[best] && at < 8 ? at : best, 0);
+      const named = isTurned && k === 2 ? most : isTurned ? (k ? 9 : 4) : [8, 1, 6][k];
+      return {
+        points: run.errors.map((error, step) => [step, error]), role: ROLES[k], shown: steps + 1, named,
+        name: steps ? `${titles[k]}${isThere ? `: ${Number.isFinite(arrived) ? arrived : "never"}` : ""}` : "",
+      };
+    });
+    const most = Math.max(...runs.flatMap(({errors}) => errors));
+    return [{
+      x: [0, last], y: [0, most * 1.12], xTicks: stepTicks(last), xName: "steps",
+      levels: [[THERE_PX, "there: 2 px", "goal"]],
+    }, curves, runs.map((run, k) => `${titles[k]}: ${steps ? stepsText(run) : "at the start"}`).join("; ")];
+  }),
 };

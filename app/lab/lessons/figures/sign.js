@@ -1,11 +1,9 @@
-/**
- * A finished run and its claim: the learner's knowledge, the truth, and how bets on it have done beside the learner's
+/** A finished run and its claim: the learner's knowledge, the truth, and how bets on it have done beside the learner's
  * own certificate.
- *
- * @import {Stage, FigureKind} from "../stage.js"
+ * @import {Stage, FigureKind, Claim} from "../stage.js" @import {Outline} from "../../view/images.js"
  * @typedef {Object} Run as the library records it
  * @property {string} name of its difference
- * @property {import("../stage.js").Claim} claim
+ * @property {Claim} claim
  * @property {number[][]} postures rad
  * @property {number[]} E px²
  * @property {boolean[]} probes
@@ -16,14 +14,13 @@
  * @property {number | null} certificate the probability that the learner gives its claim; null if it gives none
  * @property {string} because one sentence on the claim
  * @property {number[]} own (4 N) px of the seen points at the end
- * @property {number[]} recovered (4 N) px
- */
+ * @property {number[]} recovered (4 N) px */
 import {Outlines} from "../../view/images.js";
-import {energyText, fixed, px} from "../../view/svg.js";
+import {energyText, escaped, fixed, px} from "../../view/svg.js";
+import {make} from "../dom.js";
 import {card, ending, table, written} from "./cards.js";
-import {
-  axis, circles, decades, diamonds, dots, Drawing, escaped, fitted, path, polyline, rectangle, sketched, text,
-} from "./drawing.js";
+import {Chart, stepTicks} from "./chart.js";
+import {axis, diamonds, dots, Drawing, fitted, path, polyline, rectangle, text} from "./drawing.js";
 
 const NO_IDEA = .5; // what a bet is where nothing is claimed
 const LEAST_E = 1e-4, MARGIN = 16, GAP = 10;
@@ -33,7 +30,7 @@ export const CLAIM = {
   layers: ["learner knows", "truth"],
   title: "",
   aspect: 1.2,
-  create: written("lesson-claim", "The claim of a run, and the facts about it", claimed),
+  create: written("lesson-claim", (stage, layers) => [claimed(stage, layers), "The claim of a run, and the facts about it"]),
 };
 
 /** @type {FigureKind} */
@@ -59,11 +56,20 @@ export const E_HISTORY = {
   layers: [],
   title: "E after each step, px²",
   aspect: 1.9,
-  create: sketched("lesson-history", (drawing, stage) => {
-    const {E, probes} = runOf(stage), last = E.length - 1;
-    drawing.box.classList.toggle("lesson-gone", isOver(stage)); // all runs are listed then
-    return [history(drawing, E, probes), `E after each of ${last} steps: from ${words(E[0])} to ${words(E[last])} px².`];
-  }),
+  create: box => {
+    const chart = new Chart(box);
+    return {
+      resize: () => chart.resize(),
+      draw(stage) {
+        const {E, probes} = runOf(stage), last = E.length - 1, points = E.map((v, k) => [k, Math.max(v, LEAST_E)]);
+        const all = points.map(([, v]) => v);
+        box.classList.toggle("lesson-gone", isOver(stage)); // all runs are listed then
+        chart.draw({x: [0, Math.max(last, 1)], y: [Math.min(...all) / 1.5, 1.5 * Math.max(...all)], log: true,
+          xTicks: stepTicks(last), xName: "step"}, [{points, role: "E", hollow: probes}],
+        `E after each of ${last} steps: from ${words(E[0])} to ${words(E[last])} px².`);
+      },
+    };
+  },
 };
 
 /** @type {FigureKind} */
@@ -73,8 +79,7 @@ export const BETS = {
   aspect: 2.2,
   create(box) {
     box.classList.add("bare", "lesson-bets");
-    const said = document.createElement("p"), plain = document.createElement("div");
-    plain.className = "lesson-plain";
+    const said = make("p"), plain = make("div", {class: "lesson-plain"});
     box.append(said, plain);
     const drawing = new Drawing(plain, "");
     return {
@@ -96,7 +101,7 @@ export const REVIEW_OF_RUNS = {
   layers: [],
   title: "All runs",
   aspect: 1.6,
-  create: written("lesson-table", "All runs, your bets and the certificates", stage => isOver(stage) ? review(stage) : ""),
+  create: written("lesson-table", stage => [isOver(stage) ? review(stage) : "", "All runs, your bets and the certificates"]),
 };
 
 /** @param {Stage} stage @returns {Run[]} */
@@ -149,7 +154,7 @@ function claimed(stage, layers) {
 }
 
 /** One of both images at the end.
- * @param {Drawing} drawing @param {Run} run @param {import("../../view/images.js").Outline} arm @param {number} side */
+ * @param {Drawing} drawing @param {Run} run @param {Outline} arm @param {number} side */
 function image({width, height}, {own, recovered}, {hulls, bones}, side) {
   const wide = (width - GAP) / 2, left = side * (wide + GAP);
   const {place} = fitted([...hulls.flat(), ...bones], [left + MARGIN, MARGIN, left + wide - MARGIN, height - MARGIN]);
@@ -159,21 +164,6 @@ function image({width, height}, {own, recovered}, {hulls, bones}, side) {
   return rectangle("vi-plane", left + .5, .5, wide - 1, height - 1, 5) + path("vi-hull", outline)
     + path("vi-bone", polyline(bones.map(place))) + path("vi-own", dots(points(own)))
     + path("vi-found", diamonds(points(recovered), 5)) + text(left + 8, 19, "LR"[side], "vi-name vi-halo");
-}
-
-/** On a logarithmic scale. @param {Drawing} drawing @param {number[]} all @param {boolean[]} probes */
-function history({width, height}, all, probes) {
-  const E = all.map(v => Math.max(v, LEAST_E)), left = 50, right = width - 12, bottom = height - 34;
-  const {from, to, ticks} = decades(E, Math.floor((bottom - 10) / 20) + 1);
-  const y = axis(from, to, bottom, 10, true), x = axis(0, Math.max(E.length - 1, 1), left, right);
-  const every = Math.ceil((E.length - 1) / Math.max(3, (right - left) / 34)) || 1;
-  const points = E.map((v, k) => [x(k), y(v)]);
-  let svg = path("vi-rule", ticks.map(v => `M${left} ${px(y(v))}H${px(right)}`).join(""));
-  svg += ticks.map(v => text(left - 6, y(v) + 4.5, String(v), "vi-2nd vi-end")).join("");
-  for (let k = 0; k < E.length; k += every) svg += text(x(k), bottom + 16, String(k), "vi-2nd vi-mid");
-  svg += text((left + right) / 2, bottom + 31, "step", "vi-2nd vi-mid") + path("vi-line-E", polyline(points));
-  return svg + path("lesson-E-dots", dots(points.filter((_, k) => !probes[k])))
-    + path("vi-probe-E", circles(points.filter((_, k) => probes[k]), 3.6));
 }
 
 /** The cost of each bet. @param {Drawing} drawing @param {Stage} stage */

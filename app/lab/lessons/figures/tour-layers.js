@@ -1,13 +1,11 @@
 /** Layers of the four images for the first lessons: pencils of lines by hand, the ghost with its lines and the way to
  * it, and goals of single points.
  * @import {Stage} from "../stage.js" @import {Frame, Layer} from "./view-layers.js" */
-import {px} from "../../view/svg.js";
 import {pencilOf} from "../measures_ray.js";
 import {BASE_POINT, HAND_POINT} from "../measures_tour.js";
-import {widthOf} from "./drawing.js";
+import {arrows, circles, diamonds, path, polyline, widthOf} from "./drawing.js";
 import {Names} from "./names.js";
-import {arrow, diamond, disc} from "./plane.js";
-import {arm, arrows, chord, lineThrough, residuals, rings} from "./view-layers.js";
+import {arm, lineThrough, residuals, rings} from "./view-layers.js";
 
 const LITTLE = 3; // drawing units of an arrow that is not drawn
 const NUMBER = 13, LINE_NAME = 14, MARK_WIDE = 90; // drawing units; MARK_WIDE: of a mark with its name
@@ -33,15 +31,11 @@ function namesOver(frame, stage) {
   }
   const lines = [["line from l", 0, moment], ["line from r", 1, moment]];
   for (const [layer, eye] of lines) if (layers.has(String(layer))) {
-    const line = stage.line(Number(eye), frame.side), ends = line && chord(frame, line);
-    if (ends) names.keepLine(ends);
+    const line = stage.line(Number(eye), frame.side);
+    if (line) names.keepLine(frame.ends(line));
   }
   return names;
 }
-
-/** The parts of a pencil's line in this drawing.
- * @param {Frame} frame @param {{a: number, b: number, c: number}} line */
-const lineHere = (frame, line) => lineThrough(frame, line, "draw-line");
 
 /** The ways of all points to the ghost. @param {Frame} frame @param {Stage} stage */
 function ways(frame, stage) {
@@ -56,8 +50,8 @@ const CLEAR = 60; // drawing units: a name that is this far from all points is f
  * @param {Frame} frame @param {Stage} stage @param {number} eye
  * @returns {{share: number, at: number[], words: string} | null} null without a line */
 function nameOfLine(frame, stage, eye) {
-  const line = frame.isDemo ? null : stage.line(eye, frame.side), ends = line && chord(frame, line);
-  if (!ends) return null;
+  const line = frame.isDemo ? null : stage.line(eye, frame.side), ends = line ? frame.ends(line) : [];
+  if (!ends.length) return null;
   const other = eye && frame.layers.has("line from l") ? nameOfLine(frame, stage, 0) : null;
   const points = [...residuals(frame, stage).flat(), ...other ? [other.at] : []];
   const places = SHARES[eye]
@@ -110,7 +104,7 @@ export const TOUR_LAYERS_BELOW = {
   },
   "pencil": (frame, stage) => {
     const found = pencilOf(stage), lines = frame.isDemo ? found.first : found.second;
-    return lines.map(line => lineHere(frame, line)).join("");
+    return lines.map(line => lineThrough(frame, line, "draw-line")).join("");
   },
   "line from l": lineFrom(0, "vi-line vi-line-large"),
   "line from r": lineFrom(1, "vi-line vi-line-large vi-from-right"),
@@ -122,7 +116,7 @@ export const TOUR_LAYERS_BELOW = {
   "predicted": (frame, {rounds}) => {
     if (frame.isDemo || !rounds.length) return "";
     const way = [rounds[0].from, ...rounds.map(({to}) => to)].map(frame.at);
-    return `<path class="draw-went" d="M${way.map(p => p.map(px).join(" ")).join("L")}"/>`;
+    return path("draw-went", polyline(way));
   },
 };
 
@@ -134,10 +128,8 @@ export const TOUR_LAYERS_ABOVE = {
     all.forEach(({from, to}) => names.keepLine([from, to], 4));
     for (const {i, from} of all) if (i === HAND_POINT || i === BASE_POINT)
       names.put(i === HAND_POINT ? "hand" : "base", from, "vi-of-E", {away: 10});
-    const drawn = all.filter(({from, to}) => Math.hypot(from[0] - to[0], from[1] - to[1]) > LITTLE)
-      .map(({from, to}) => arrow(from, to, 9));
-    const paths = [0, 1].map(k => drawn.map(one => one[k]).join(""));
-    return `<path class="draw-way" d="${paths[0]}"/><path class="draw-way-tip" d="${paths[1]}"/>${names.html}`;
+    const drawn = all.map(({from, to}) => [from, to]).filter(([from, to]) => Math.hypot(from[0] - to[0], from[1] - to[1]) > LITTLE);
+    return arrows(drawn, 9, "draw-way", "draw-way-tip") + names.html;
   },
   "left over": (frame, stage) => {
     if (frame.isDemo) return "";
@@ -146,18 +138,15 @@ export const TOUR_LAYERS_ABOVE = {
       const p = [images[4 * i + 2 * frame.side], images[4 * i + 2 * frame.side + 1]];
       return /** @type {[number[], number[]]} */ ([frame.at(p), frame.at([p[0] - left[i] * a, p[1] - left[i] * b])]);
     });
-    return arrows(ends, "vi-e", "vi-tip");
+    return arrows(ends);
   },
   "five points": (frame, stage) => {
     const names = new Names([0, 0, frame.width, frame.height]);
     const found = frame.layers.has("pencil") ? pencilOf(stage) : null;
     const places = frame.shown.map(i => frame.of(frame.images, i));
     places.forEach(p => names.keep(p, 7));
-    for (const line of found ? frame.isDemo ? found.first : found.second : []) {
-      const ends = chord(frame, line);
-      if (ends) names.keepLine(ends);
-    }
-    const marks = places.map(([x, y]) => frame.isDemo ? diamond(x, y, 5) : disc(x, y, 4.6)).join("");
+    for (const line of found ? frame.isDemo ? found.first : found.second : []) names.keepLine(frame.ends(line));
+    const marks = frame.isDemo ? diamonds(places, 5) : circles(places, 4.6);
     places.forEach((p, k) => names.put(String(frame.shown[k] + 1), p, frame.isDemo ? "vi-of-demo" : "vi-of-own",
       {size: NUMBER, away: 10}));
     return `<path class="${frame.isDemo ? "vi-seen" : "draw-own-dot"}" d="${marks}"/>${names.html}`;
@@ -165,10 +154,8 @@ export const TOUR_LAYERS_ABOVE = {
   "chosen": (frame, stage) => {
     const {images, isDemo, shown} = frame, {chosen} = stage;
     if (!shown.includes(chosen)) return "";
-    const [x, y] = frame.of(images, chosen);
-    const mark = isDemo ? `<path class="vi-seen" d="${diamond(x, y, 5.4)}"/>`
-      : `<path class="draw-own-dot" d="${disc(x, y, 5)}"/>`;
-    return mark + rings([[x, y]], 11, "vi-ring");
+    const at = [frame.of(images, chosen)];
+    return (isDemo ? path("vi-seen", diamonds(at, 5.4)) : path("draw-own-dot", circles(at, 5))) + rings(at, 11, "vi-ring");
   },
   "numbers": (frame, stage) => {
     const {usable, views} = stage.moment, names = namesOver(frame, stage);
@@ -188,7 +175,7 @@ export const TOUR_LAYERS_ABOVE = {
     }
     const words = frame.width > 230 ? "where the lines cross" : "crossing";
     if (x > 0 && y > 0 && x < frame.width && y < frame.height) names.put(words, at, "vi-of-found", {away: 13});
-    return `<path class="vi-found" d="${diamond(x, y, 6)}"/>${rings([at], 11, "vi-ring")}${names.html}`;
+    return path("vi-found", diamonds([at], 6)) + rings([at], 11, "vi-ring") + names.html;
   },
 };
 
@@ -202,5 +189,5 @@ export const TOUR_LEGEND = {
 the way to the ghost, which the learner cannot see`,
   "left over": `${sample(34, '<path class="vi-e" d="M2 6h25"/><path class="vi-tip" d="M33 6l-8-4v8z"/>')}\
 how far a point is from its line`,
-  "goal": `${sample(14, `<path class="draw-goal" d="${disc(7, 6, 4.5)}"/>`)}where a dot should go`,
+  "goal": `${sample(14, `<path class="draw-goal" d="${circles([[7, 6]], 4.5)}"/>`)}where a dot should go`,
 };

@@ -1,15 +1,14 @@
 /** How the learner came to rest, as every front end tells it, and beside it the truth, which the learner cannot know.
- * @import {Stage, FigureKind} from "../stage.js" */
-import {energyText, fixed} from "../../view/svg.js";
+ * @import {Stage, FigureKind, Race} from "../stage.js" */
+import {energyText, escaped, fixed} from "../../view/svg.js";
 import {card, ending, written} from "./cards.js";
-import {escaped} from "./drawing.js";
 
 /** @type {FigureKind} */
 export const VERDICT = {
   layers: ["learner", "truth"],
   title: "How it ended",
   aspect: 4,
-  create: written("lesson-verdict", "How the learner's run ended, and the truth", drawn),
+  create: written("lesson-verdict", (stage, layers) => [drawn(stage, layers), "How the learner's run ended, and the truth"]),
 };
 
 /** @param {Stage} stage @param {Set<string>} layers */
@@ -26,7 +25,7 @@ function drawn(stage, layers) {
   return learner + (isTrueShown ? card("truth", "Only you can see", ...truth(stage, race, names)) : "");
 }
 
-/** What the learner found on its way. @param {import("../stage.js").Race & {leastAsSeen?: number}} race */
+/** What the learner found on its way. @param {Race & {leastAsSeen?: number}} race */
 function reasons({claim: {unobservable, swapped}, E, leastAsSeen}) {
   const last = E[E.length - 1], small = last < .001 ? "below 0.001 px²" : `${energyText(last)} px²`;
   return [
@@ -39,7 +38,7 @@ function reasons({claim: {unobservable, swapped}, E, leastAsSeen}) {
   ];
 }
 
-/** @param {Stage} stage @param {import("../stage.js").Race} race @param {string[]} names @returns {[string, string]} */
+/** @param {Stage} stage @param {Race} race @param {string[]} names @returns {[string, string]} */
 function truth({moment, records}, {postures}, names) {
   const off = postures[postures.length - 1].map((v, k) => Math.abs(v - moment.thetaDemo[k]) * 180 / Math.PI);
   const most = Math.max(...off), swapped = records.swapped?.length ? `<p>Swapped are ${pairs(records.swapped)}.</p>` : "";

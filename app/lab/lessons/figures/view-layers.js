@@ -1,8 +1,7 @@
 /**
  * What an image shows, layer by layer. A layer is a function that returns SVG; those of a step's figures are drawn in the
  * order of this table.
- *
- * @import {Stage} from "../stage.js"
+ * @import {Stage} from "../stage.js" @import {Outline} from "../../view/images.js"
  * @typedef {Object} Frame one image as it is drawn
  * @property {"l" | "r" | "L" | "R"} name
  * @property {number} k 0 … 3, of l, r, L, R
@@ -16,89 +15,42 @@
  * @property {(p: ArrayLike<number>) => [number, number]} at px of the image → drawing units
  * @property {(of: ArrayLike<number>, point: number) => [number, number]} of an image point, in drawing units
  * @property {number[]} shown the points that this image shows
+ * @property {(line: {a: number, b: number, c: number}) => [number, number][]} ends where it enters and leaves, left first
  * @property {Set<string>} layers
  * @property {import("../../view/images.js").Outlines} outlines
- * @typedef {(frame: Frame, stage: Stage) => string} Layer
- */
+ * @typedef {(frame: Frame, stage: Stage) => string} Layer */
+import {clamp} from "../../engine/engine.js";
 import {px} from "../../view/svg.js";
-
-const HEAD = 7.5; // drawing units of an arrow's tip
-
-/** @param {number[][]} points in drawing units @param {string} kind */
-export const dots = (points, kind) =>
-  `<path class="${kind}" d="${points.map(([x, y]) => `M${px(x)} ${px(y)}h0`).join("")}"/>`;
-
-/** @param {number[][]} points @param {number} r half a diagonal @param {string} kind */
-export const diamonds = (points, r, kind) =>
-  `<path class="${kind}" d="${points.map(([x, y]) => `M${px(x - r)} ${px(y)}l${r} ${-r} ${r} ${r} ${-r} ${r}z`).join("")}"/>`;
-
-/** @param {number[][]} points @param {number} r @param {string} kind */
-export const rings = (points, r, kind) => points.map(([x, y]) =>
-  `<circle class="${kind}" cx="${px(x)}" cy="${px(y)}" r="${r}"/>`).join("");
-
-/** @param {number[][]} points @param {string} kind */
-export const polyline = (points, kind) =>
-  `<path class="${kind}" d="M${points.map(([x, y]) => `${px(x)} ${px(y)}`).join("L")}"/>`;
-
-/** Arrows with tips. @param {number[][][]} ends @param {string} kind @param {string} tip its class */
-export function arrows(ends, kind, tip) {
-  let shafts = "", tips = "";
-  for (const [[a, b], [c, d]] of ends) {
-    const length = Math.hypot(c - a, d - b), head = Math.min(HEAD, length * .6), u = (c - a) / length * head,
-      v = (d - b) / length * head;
-    shafts += `M${px(a)} ${px(b)}L${px(c - (length > HEAD ? u * .7 : 0))} ${px(d - (length > HEAD ? v * .7 : 0))}`;
-    if (length > 3) tips += `M${px(c)} ${px(d)}L${px(c - u - v / 2)} ${px(d - v + u / 2)}L${px(c - u + v / 2)} ${px(d - v - u / 2)}z`;
-  }
-  return `<path class="${kind}" d="${shafts}"/><path class="${tip}" d="${tips}"/>`;
-}
-
-/** @param {number} x @param {number} y @param {string} words @param {string} kind */
-export const words = (x, y, words, kind) => `<text class="${kind}" x="${px(x)}" y="${px(y)}">${words}</text>`;
-
-/** Where a line of the image enters and leaves the drawing, left first; null if it misses it.
- * @param {Frame} frame @param {{a: number, b: number, c: number}} line @returns {[number[], number[]] | null} */
-export function chord({at, scale, width, height}, {a, b, c}) {
-  const size = Math.hypot(a, b), [n, m] = [a / size, b / size], [x0, y0] = at([0, 0]),
-    off = c / size * scale - n * x0 - m * y0;
-  const ends = [];
-  if (Math.abs(m) > 1e-9) for (const x of [0, width]) ends.push([x, -(off + n * x) / m]);
-  if (Math.abs(n) > 1e-9) for (const y of [0, height]) ends.push([-(off + m * y) / n, y]);
-  const inside = ends.filter(([x, y]) => x > -1e-6 && x < width + 1e-6 && y > -1e-6 && y < height
-    + 1e-6).sort((p, q) => p[0] - q[0]);
-  return inside.length < 2 ? null : [inside[0], inside[inside.length - 1]];
-}
+import {drawnEllipse, ellipseOf} from "./crossing.js";
+import {arrows, circles, diamonds, dots, path, polyline, text} from "./drawing.js";
 
 /** A line through the whole drawing, with its name along it.
  * @param {Frame} frame @param {{a: number, b: number, c: number} | null} line @param {string} kind
  * @param {string} [name] @param {number} [share] of its way, where the name stands */
 export function lineThrough(frame, line, kind, name = "", share = .8) {
-  const ends = line && chord(frame, line);
-  if (!ends) return "";
-  const [[a, b], [c, d]] = ends, x = a + share * (c - a), y = b + share * (d - b),
-    turn = Math.atan2(d - b, c - a) * 180 / Math.PI;
-  const path = `M${px(a)} ${px(b)}L${px(c)} ${px(d)}`;
-  const named = name
-    && `<g transform="translate(${px(x)} ${px(y)})rotate(${px(turn)})">${words(0, -6, name, "vi-chosen vi-halo vi-mid")}</g>`;
-  return `<path class="vi-line-case" d="${path}"/><path class="${kind}" d="${path}"/>${named}`;
+  const ends = line ? frame.ends(line) : [];
+  if (!ends.length) return "";
+  const [[a, b], [c, d]] = ends, turn = Math.atan2(d - b, c - a) * 180 / Math.PI, whole = polyline(ends);
+  const words = name && `<g transform="translate(${px(a + share * (c - a))} ${px(b + share * (d - b))})rotate(${px(turn)})">${
+    text(0, -6, name, "vi-chosen vi-halo vi-mid")}</g>`;
+  return path("vi-line-case", whole) + path(kind, whole) + words;
 }
 
-/** @param {import("../../view/images.js").Outline} outline @param {Frame} frame @param {string} hull
- * @param {string} bone */
+/** @param {Outline} outline @param {Frame} frame @param {string} hull @param {string} bone */
 export function arm(outline, {at}, hull, bone) {
-  const closed = outline.hulls.map(points => `M${points.map(p => at(p).map(px).join(" ")).join("L")}z`).join("");
-  return `<path class="${hull}" d="${closed}"/>${polyline(outline.bones.map(at), bone)}`;
+  const closed = outline.hulls.map(points => `${polyline(points.map(at))}z`).join("");
+  return path(hull, closed) + path(bone, polyline(outline.bones.map(at)));
 }
 
-/** @param {Frame} frame @param {Stage} stage @returns {[number, number][]} recovered points, then own ones */
-function pairs({side, at}, {moment}, found = new Float64Array(0)) {
-  return /** @type {[number, number][]} */ (/** @type {unknown} */ (moment.usable.map(i =>
-    [at([found[4 * i + 2 * side], found[4 * i + 2 * side + 1]]),
-    at([moment.views.own[4 * i + 2 * side], moment.views.own[4 * i + 2 * side + 1]])])));
+/** From each recovered point to the own one.
+ * @param {Frame} frame @param {Stage} stage @returns {[number, number][][]} */
+export function residuals({of}, stage) {
+  const {usable, views: {own}} = stage.moment, found = stage.recovered();
+  return usable.map(i => [of(found, i), of(own, i)]);
 }
 
-/** @param {Frame} frame @param {Stage} stage @returns {[number, number][][]} from each recovered point to the own one
- */
-export const residuals = (frame, stage) => /** @type {any} */ (pairs(frame, stage, stage.recovered()));
+/** @param {number[][]} points @param {number} r @param {string} kind */
+export const rings = (points, r, kind) => path(kind, circles(points, r));
 
 /** Outlines of the learner in another posture.
  * @param {Frame} frame @param {Stage} stage @param {number[]} theta @param {string} name */
@@ -118,7 +70,7 @@ export const OWN_LAYERS = {
   "guessed arrows": (frame, stage) => {
     if (frame.isDemo) return "";
     const there = pointsIn(frame, stage, stage.guessed), goal = pointsIn(frame, stage, stage.moment.thetaDemo);
-    return rings(goal, 4.4, "vi-goal-ring") + arrows(there.map((p, k) => [p, goal[k]]), "vi-e", "vi-tip");
+    return rings(goal, 4.4, "vi-goal-ring") + arrows(there.map((p, k) => [p, goal[k]]));
   },
   "skeleton": (frame, stage) => {
     const {moment, world} = stage, {fitted} = moment;
@@ -126,21 +78,49 @@ export const OWN_LAYERS = {
     const [left, right] = frame.outlines.of(world, "demonstrator", moment.thetaDemo, "demo");
     const found = fitted.recover(Float64Array.from(left.bones.flatMap((p, i) =>
       [p[0], p[1], right.bones[i][0], right.bones[i][1]])));
-    return polyline(left.bones.map((_, i) => frame.of(found, i)), "vi-bone vi-found");
+    return path("vi-bone vi-found", polyline(left.bones.map((_, i) => frame.of(found, i))));
   },
-  "points": frame => frame.isDemo ? diamonds(frame.shown.map(i => frame.of(frame.images, i)), 4.6, "vi-seen") : "",
-  "arrows": (frame, stage) => frame.isDemo ? "" : arrows(residuals(frame, stage), "vi-e", "vi-tip"),
-  "own points": (frame, stage) => frame.isDemo ? "" : dots(residuals(frame, stage).map(([, own]) => own),
-    "vi-own vi-own-large"),
-  "recovered points": (frame, stage) => frame.isDemo ? ""
-    : diamonds(residuals(frame, stage).map(([found]) => found), 5, "vi-found"),
+  "points": frame =>
+    frame.isDemo ? path("vi-seen", diamonds(frame.shown.map(i => frame.of(frame.images, i)), 4.6)) : "",
+  "arrows": (frame, stage) => frame.isDemo ? "" : arrows(residuals(frame, stage)),
+  "own points": (frame, stage) =>
+    frame.isDemo ? "" : path("vi-own vi-own-large", dots(residuals(frame, stage).map(([, own]) => own))),
+  "recovered points": (frame, stage) =>
+    frame.isDemo ? "" : path("vi-found", diamonds(residuals(frame, stage).map(([found]) => found), 5)),
   "own chosen": ({isDemo, of, images, shown}, {chosen}) => !isDemo && shown.includes(chosen)
-    ? dots([of(images, chosen)], "vi-own vi-own-large") + rings([of(images, chosen)], 11, "vi-ring") : "",
-  "arrow": (frame, stage) => {
-    const k = stage.moment.usable.indexOf(stage.chosen);
-    return frame.isDemo || k < 0 ? "" : arrows([residuals(frame, stage)[k]], "vi-e", "vi-tip");
+    ? path("vi-own vi-own-large", dots([of(images, chosen)])) + rings([of(images, chosen)], 11, "vi-ring") : "",
+};
+
+const RING = 10, NAME = 19, EDGE = 12; // units: of a ring, from a point to its name, from there to the drawing's edge
+
+/** @type {Record<string, Layer>} */
+export const LIMITS_LAYERS = {
+  "pair": (frame, stage) => {
+    /** @type {number[][]} */
+    const pairs = stage.records.swapped ?? [];
+    return pairs.filter(pair => pair.every(i => frame.shown.includes(i))).map(pair => {
+      const [from, to] = pair.map(i => frame.of(frame.images, i)), long = Math.hypot(to[0] - from[0], to[1] - from[1]);
+      const unit = [0, 1].map(k => (to[k] - from[k]) / Math.max(long, 1e-9));
+      const near = from.map((v, k) => v + RING * unit[k]), far = to.map((v, k) => v - RING * unit[k]);
+      const joined = long > 2 * RING ? polyline([near, far]) : "", names = frame.isDemo ? [...pair].reverse() : pair;
+      const drawn = path("lesson-pair-case", joined) + path("lesson-pair", joined);
+      return drawn + path("lesson-pair-ring", circles([from, to], RING))
+        + named(frame, from, unit, -NAME, names[0]) + named(frame, to, unit, NAME, names[1]);
+    }).join("");
+  },
+  "ellipse": (frame, stage) => {
+    const found = frame.isDemo ? null : ellipseOf(stage, frame.side);
+    return found ? drawnEllipse(frame.at(found.at), found.halfAxes.map(v => v * frame.scale), found.direction) : "";
   },
 };
+
+/** A point's name beyond a ring, within the drawing.
+ * @param {Frame} frame @param {number[]} at @param {number[]} unit along the pair @param {number} by units
+ * @param {number} name */
+function named({width, height}, at, unit, by, name) {
+  const x = clamp(at[0] + by * unit[0], EDGE, width - EDGE), y = clamp(at[1] + by * unit[1], EDGE, height - EDGE);
+  return text(x, y + 4.5, String(name), "lesson-pair-name vi-b vi-halo vi-mid");
+}
 
 const mark = (/** @type {string} */ inside, /** @type {number} */ wide = 8) =>
   `<svg viewBox="${-wide} -8 ${2 * wide} 16" class="vi" aria-hidden="true">${inside}</svg>`;

@@ -1,13 +1,12 @@
 /** The crossing and its ellipse: two eyes give two lines, and a small angle between them makes the crossing uncertain.
- */
+
+ * @import {Fitted} from "../engine/transfers.js" @import {FigureKind} from "./frame.js" */
 import {DEGREE, Generator, geometry, World} from "../engine/engine.js";
 import {spreadOf} from "../lessons/figures/crossing.js";
 import {diamonds} from "../lessons/figures/drawing.js";
 import {Images} from "../view/images.js";
 import {fixed} from "../view/svg.js";
 import {imageOf, Overlay, sessionOf} from "./views.js";
-
-/** @import {Fitted} from "../engine/transfers.js" @import {FigureKind} from "./frame.js" */
 
 const POSE = [45 * DEGREE, -90 * DEGREE], HAND = 8, USUAL_CM = 60, USUAL_NOISE_PX = 1;
 const DRAWS = 100, SEED = 7, GRIP_PX = 28;

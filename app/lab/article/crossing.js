@@ -30,9 +30,7 @@ export function crossing(frame, data) {
     const {cameras} = data.baselines.reduce((a, b) => Math.abs(b.value - cm) < Math.abs(a.value - cm) ? b : a);
     return new World({...data.scene, cameras}, 10);
   }
-  function moment() {
-    return sessionOf(world, POSE, POSE).now;
-  }
+  function moment() { return sessionOf(world, POSE, POSE).now; }
   const mark = () => now.views.demo.slice(4 * HAND, 4 * HAND + 4).map((v, k) => v + shift[k]);
   const baselines = frame.slider({
     label: "Distance between the eyes", low: 10, high: 100, step: 5, value: baseline, text: value => `${value} cm`,

@@ -44,9 +44,7 @@ export class Game {
     this.isOver = this.isThere || this.made >= this.level.tries;
   }
 
-  get disagreement() {
-    return `The pictures disagree by ${residualText(this.moment.E)}`;
-  }
+  get disagreement() { return `The pictures disagree by ${residualText(this.moment.E)}`; }
 
   /** What the last step has brought, as px of the step before. */
   get change() {

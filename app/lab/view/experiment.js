@@ -77,9 +77,7 @@ export class Experiment {
   }
 
   /** The learner begins again from a posture. @param {number[]} theta */
-  place(theta) {
-    this.#begin({demonstrator: this.now.thetaDemo, start: snapped(theta)});
-  }
+  place(theta) { this.#begin({demonstrator: this.now.thetaDemo, start: snapped(theta)}); }
 
   /** Another law begins to learn from where the run began. @param {string} servo */
   setServo(servo) {

@@ -1,9 +1,8 @@
-/** A map of E that can be touched: the learner's dot, and the demonstrator's diamond where that may be moved. */
+/** A map of E that can be touched: the learner's dot, and the demonstrator's diamond where that may be moved.
+ * @import {World} from "../engine/world.js" @import {Frame} from "./frame.js" */
 import {Landscape} from "../engine/engine.js";
 import {EnergyMap} from "../view/map.js";
 import {touchMap} from "../view/drag.js";
-
-/** @import {World} from "../engine/world.js" @import {Frame} from "./frame.js" */
 
 /** What a screen reader says of a map. */
 export const KEYS = "Map of E. Arrow keys turn the learner’s joints by 1 degree, with Shift by 5.";
@@ -20,8 +19,7 @@ export class Ground {
     this.world = world;
     this.landscape = new Landscape(world, STEP_DEG);
     this.isDue = true;
-    /** The demonstrator's posture that the landscape is of. */
-    this.key = "";
+    this.key = ""; // the demonstrator's posture that the landscape is of
   }
 
   /** @param {World} world */
@@ -42,9 +40,7 @@ export class Ground {
   }
 
   /** The size of the map or its colours have changed. */
-  measure() {
-    this.isDue = true;
-  }
+  measure() { this.isDue = true; }
 
   /** @param {number[]} demonstrator @param {number[]} learner @param {{theta: number[], probe: boolean}[]} [path] */
   draw(demonstrator, learner, path = []) {

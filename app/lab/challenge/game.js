@@ -1,9 +1,8 @@
-/** One game of a challenge, without a document: where the arm is, what was made, and what is said of it. */
+/** One game of a challenge, without a document: where the arm is, what was made, and what is said of it.
+ * @import {World} from "../engine/world.js" @import {Challenge} from "./rules.js" */
 import {fixed} from "../view/svg.js";
 import {residualText, stepsText} from "../view/words.js";
 import {degreesOff, jointsOff, LEVELS, robotSteps, sessionOf} from "./rules.js";
-
-/** @import {World} from "../engine/world.js" @import {Challenge} from "./rules.js" */
 
 /** One square for each step: green there, yellow within 10°, orange within 30°, red beyond. @param {number[]} off degrees @param {number} withinDeg */
 export const squares = (off, withinDeg) =>
@@ -19,12 +18,9 @@ export class Game {
     this.challenge = challenge;
     this.level = LEVELS[challenge.level];
     this.session = sessionOf(world, challenge);
-    /** Steps of the robot. */
-    this.robot = robotSteps(world, challenge);
-    /** What is seen now. */
-    this.moment = this.session.now;
-    /** Where the arm has stood, the start first. */
-    this.path = [this.#stand()];
+    this.robot = robotSteps(world, challenge); // steps of the robot
+    this.moment = this.session.now; // what is seen now
+    this.path = [this.#stand()]; // where the arm has stood, the start first
     this.isOver = false;
   }
 
@@ -34,18 +30,12 @@ export class Game {
   }
 
   /** How many steps were made. */
-  get made() {
-    return this.path.length - 1;
-  }
+  get made() { return this.path.length - 1; }
 
-  get isThere() {
-    return this.made > 0 && this.path[this.made].off <= this.level.withinDeg;
-  }
+  get isThere() { return this.made > 0 && this.path[this.made].off <= this.level.withinDeg; }
 
   /** The arm on its way, which is no step. @param {number[]} theta */
-  pass(theta) {
-    this.moment = this.session.observe(theta);
-  }
+  pass(theta) { this.moment = this.session.observe(theta); }
 
   /** The arm has arrived, and the referee looks. @param {number[]} theta */
   step(theta) {
@@ -54,9 +44,7 @@ export class Game {
     this.isOver = this.isThere || this.made >= this.level.tries;
   }
 
-  get disagreement() {
-    return `The pictures disagree by ${residualText(this.moment.E)}`;
-  }
+  get disagreement() { return `The pictures disagree by ${residualText(this.moment.E)}`; }
 
   /** What the last step has brought, as px of the step before. */
   get change() {

@@ -44,9 +44,7 @@ export class World {
   }
 
   /** An arm in its pair of views, undisturbed. @param {Who} who @param {ArrayLike<number>} theta @returns {Look} */
-  look(who, theta) {
-    return project(this.pairs[who], this.arms[who].points(theta, this.body));
-  }
+  look(who, theta) { return project(this.pairs[who], this.arms[who].points(theta, this.body)); }
 }
 
 /** What the learner gets to see. With equal seeds it sees the same; every look has a stream of the seed for itself. */
@@ -55,8 +53,7 @@ export class Observer {
   constructor(world, disturbance, rest) {
     this.world = world;
     this.disturbance = disturbance;
-    /** Standard deviation of a coordinate, px, as measured at rest. */
-    this.noisePx = this.#noiseAt(rest);
+    this.noisePx = this.#noiseAt(rest); // standard deviation of a coordinate, px, as measured at rest
     this.last = /** @type {{key: string, look: Look} | null} */ (null);
   }
 
@@ -74,9 +71,7 @@ export class Observer {
   }
 
   /** @param {number[]} theta @param {number} look */
-  own(theta, look) {
-    return this.#disturbed(this.world.look("learner", theta), [OWN_STREAM, look]);
-  }
+  own(theta, look) { return this.#disturbed(this.world.look("learner", theta), [OWN_STREAM, look]); }
 
   /** How many looks to wait after a first motion until an image shows it, and whether that is known then: images of a
    * real camera may come late, and a learner cannot know before it has moved.
@@ -113,9 +108,7 @@ export class Observer {
 
 /** Stream of a posture, its angles in millionths of a degree: in another posture there is other noise.
  * @param {number[]} theta */
-function streamOf(theta) {
-  return theta.map(v => Math.floor(v * (180 / Math.PI) * 1e6 + 0.5) >>> 0);
-}
+function streamOf(theta) { return theta.map(v => Math.floor(v * (180 / Math.PI) * 1e6 + 0.5) >>> 0); }
 
 export const MAX_LOOKS_WAITED = MAX_LAG;
 

@@ -154,9 +154,7 @@ export class Lecturer {
     this.order("gather", {lesson, step, seed});
   }
 
-  get isPresenting() {
-    return document.documentElement.classList.contains("presenting");
-  }
+  get isPresenting() { return document.documentElement.classList.contains("presenting"); }
 
   #present() {
     document.documentElement.classList.toggle("presenting");
@@ -165,9 +163,7 @@ export class Lecturer {
     this.panel.dataset.key = "";
   }
 
-  #hide() {
-    this.order("hide", {on: !this.room.orders.hidden});
-  }
+  #hide() { this.order("hide", {on: !this.room.orders.hidden}); }
 
   #showAnswers() {
     this.showsAnswers = !this.showsAnswers;

@@ -9,19 +9,13 @@ export class StillScreen {
   draw() { /* nothing changes */ }
 
   /** @param {KeyboardEvent} _event */
-  key(_event) {
-    return false;
-  }
+  key(_event) { return false; }
 
   /** @returns {Button} */
-  primary() {
-    return {words: "", act: () => {}};
-  }
+  primary() { return {words: "", act: () => {}}; }
 
   /** @returns {Button | null} */
-  skip() {
-    return null;
-  }
+  skip() { return null; }
 
   remove() { /* nothing is held */ }
 }
@@ -50,14 +44,10 @@ export class QuestionScreen extends StillScreen {
     body.replaceChildren(make("p", {class: "lead"}, lead), this.question.element);
   }
 
-  draw() {
-    this.question.update();
-  }
+  draw() { this.question.update(); }
 
   /** @param {KeyboardEvent} event */
-  key(event) {
-    return this.question.key(event.key);
-  }
+  key(event) { return this.question.key(event.key); }
 
   /** @returns {Button} */
   primary() {
@@ -67,9 +57,7 @@ export class QuestionScreen extends StillScreen {
   }
 
   /** @returns {Button} */
-  skip() {
-    return {words: "Skip the questions", act: this.acts.skipAll};
-  }
+  skip() { return {words: "Skip the questions", act: this.acts.skipAll}; }
 }
 
 /** What one can say now, and the review of the questions. */
@@ -103,7 +91,5 @@ export class EndScreen extends StillScreen {
   }
 
   /** @returns {Button} */
-  primary() {
-    return {words: "All lessons", key: "↵", filled: true, act: this.leave};
-  }
+  primary() { return {words: "All lessons", key: "↵", filled: true, act: this.leave}; }
 }

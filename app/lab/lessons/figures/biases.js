@@ -1,12 +1,13 @@
 /** How far the smallest E is from the demonstrator, over the distance of the eyes: a curve for each transfer, both
  * scales logarithmic, with the present distance and what the visitor said.
- * @import {Stage, FigureKind} from "../stage.js" */
+ * @import {Stage, FigureKind} from "../stage.js"
+ * @typedef {{times: number[], degrees: Record<string, number[]>}} Biases */
 import {fixed, px} from "../../view/svg.js";
 import {stageSmallest} from "../maps.js";
 import {short} from "../measured.js";
 import {farthest} from "../../engine/engine.js";
 import {
-  axis, circles, crossHair, dots, Drawing, legend, legendHeight, path, polyline, sketched, text, widthOf,
+  axis, circles, dots, Drawing, legend, legendHeight, path, polyline, sketched, text, widthOf,
 } from "./drawing.js";
 import {Names} from "./names.js";
 
@@ -15,8 +16,6 @@ const ASKED = 10; // times the distance
 const DEGREES = [.01, .1, 1, 10], TIMES = [1, 3, 10, 30];
 const STYLES = new Map([["epipolar", "used"], ["linear", "second"], ["rank3", "third"], ["projective", "exact"]]);
 const HEAD = 8, FOOT = 46, LEFT = 48, BESIDE_FROM = 520; // units; from this width on, names stand beside their curves
-
-/** @typedef {{times: number[], degrees: Record<string, number[]>}} Biases */
 
 /** @type {FigureKind} */
 export const BIASES = {
@@ -115,4 +114,11 @@ function described(stage, layers) {
   if (layers.has("found")) words.push(`at ${ASKED} times ${short(valueAt(ASKED, times, degrees[used]))}°`);
   if (stage.answer.number !== undefined) words.push(`you said ${short(stage.answer.number)}°`);
   return `${words.join("; ")}.`;
+}
+
+/** The visitor's own mark: a cross hair. @param {number[]} at */
+function crossHair([x, y]) {
+  const hair = circles([[x, y]], 9.5) + [[1, 0], [-1, 0], [0, 1], [0, -1]].map(([u, v]) =>
+    `M${px(x + 7 * u)} ${px(y + 7 * v)}l${8 * u} ${8 * v}`).join("");
+  return path("lesson-you-case", hair) + path("lesson-you", hair);
 }

@@ -41,9 +41,7 @@ class Gains {
     });
   }
 
-  resize() {
-    this.panels.forEach(({plane}) => plane.measure());
-  }
+  resize() { this.panels.forEach(({plane}) => plane.measure()); }
 
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {
@@ -94,9 +92,7 @@ class Turned {
     this.outlines = new Outlines(stage.page.hulls);
   }
 
-  resize() {
-    this.plane.measure();
-  }
+  resize() { this.plane.measure(); }
 
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {

@@ -68,7 +68,8 @@ def header(ways: Ways, here: str, with_about: bool = True) -> str:
 
 def about(ways: Ways) -> str:
     """Return who made this, under which licence, where it comes from, and how to cite it, as HTML."""
-    link = lambda page, words: words if ways.use is None else f'<a href="{_beside(ways.use, page)}">{words}</a>'
+    folder = (ways.use or "").removesuffix("index.html")
+    link = lambda page, words: words if ways.use is None else f'<a href="{escape(folder + page)}">{words}</a>'
     return (
         f"<p>viewimit {__version__}, by the viewimit authors. MIT licence. It computes the method of “View-Based"
         " Imitation Learning by Conflict Resolution with Epipolar Geometry” (IROS 2001).</p>"
@@ -76,8 +77,3 @@ def about(ways: Ways) -> str:
         f" {link('index.html', 'viewimit')}.</p>"
         f"<p>To cite: The viewimit authors, <i>viewimit</i> {__version__}, software; with the paper above.</p>"
     )
-
-
-def _beside(use: str, page: str) -> str:
-    """The address of another page of the documentation."""
-    return escape(use.removesuffix("index.html") + page)

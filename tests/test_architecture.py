@@ -130,9 +130,3 @@ PAGE = "import viewimit.app.server.serve, viewimit.app.page.page"
 )
 def test_what_is_not_needed_is_not_loaded(code, absent):
     assert not loaded_by(code) & absent
-
-
-def test_public_names_exist_and_are_documented():
-    for name in viewimit.__all__:
-        assert getattr(viewimit, name) is not None
-        assert name in viewimit.__doc__, f"{name} is missing from the docstring"

@@ -1,6 +1,5 @@
 """Nothing that runs needs what only some systems have: Windows is faked here, and its types are checked elsewhere."""
 
-import ast
 import os
 import signal
 import subprocess
@@ -12,7 +11,6 @@ import pytest
 from viewimit import processes
 
 ROOT = Path(__file__).parent.parent
-SOURCES = [path for folder in ("viewimit", "app", "docs", "examples") for path in ROOT.joinpath(folder).rglob("*.py")]
 
 WINDOWS = """
 import asyncio, ctypes, http.server, multiprocessing.spawn, os, signal, socket, subprocess, sys, tempfile, webbrowser
@@ -84,14 +82,3 @@ print([each.name for each in processes.stop_signals()])
     lower = min(3, 19 - os.nice(0))  # no priority is lower than 19
     assert said.splitlines() == ["True", f"{lower} ['SIGINT', 'SIGTERM', 'SIGHUP']", "['SIGINT', 'SIGTERM']"]
     assert signal.SIGINT in processes.stop_signals()
-
-
-def test_every_text_file_is_read_and_written_with_its_encoding():
-    """Windows takes another one by default."""
-    for path in SOURCES:
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-            if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)):
-                continue
-            given = len(node.args) + sum(word.arg == "encoding" for word in node.keywords)
-            least = {"read_text": 1, "write_text": 2}.get(node.func.attr, 0)
-            assert given >= least, f"{path}:{node.lineno}: {node.func.attr} without an encoding"

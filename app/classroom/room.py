@@ -18,7 +18,7 @@ from typing import Any
 import msgspec
 import segno
 
-from ..server.limits import TokenBucket
+from ..server.limits import TokenBucket, network_of
 from . import protocol as p
 from .answers import QUESTIONS, Asks, fits, is_right
 from .report import as_csv, learned
@@ -165,7 +165,7 @@ class Room:
             person = Person(hello.token, key, place, self._numbers.get(key) or self._new_number(), time.monotonic())
         person.name = name_of(hello.name)
         self._link(person, hello.linked)
-        browser.person, browser.place = person, self._hash(browser.address)[:16]
+        browser.person, browser.place = person, self._hash(str(network_of((browser.address,))))[:16]
         self.browsers.add(browser)
         session = None if hello.session is None else self._hash(hello.session)
         if session in self._sessions:

@@ -4,7 +4,6 @@ import asyncio
 import contextlib
 import gzip
 import hashlib
-import ipaddress
 import logging
 import re
 import sys
@@ -139,7 +138,7 @@ async def _tick(room: Room) -> None:
 
 async def _serve(room: Room, websocket: WebSocket, options: ServerOptions) -> None:
     """One websocket, from its handshake to its end."""
-    address = address_of(websocket)
+    address = websocket.client.host if websocket.client else ""
     origin, host = websocket.headers.get("origin", ""), websocket.headers.get("host", "")
     if not is_own_page(origin, host, options.origins):
         log.warning("rejected from %s: a page of another origin, %.80r; --address lets its own in", address, origin)
@@ -193,18 +192,6 @@ async def _send_all(websocket: WebSocket, browser: Browser, something: asyncio.E
 async def _close(websocket: WebSocket, code: int, reason: str) -> None:
     with contextlib.suppress(WebSocketDisconnect, RuntimeError):
         await websocket.close(code, reason)
-
-
-def address_of(websocket: WebSocket) -> str:
-    """Return the network address that a browser's votes are counted by: of IPv6, its subscriber's network."""
-    host = websocket.client.host if websocket.client else ""
-    try:
-        address = ipaddress.ip_address(host)
-    except ValueError:
-        return host
-    if isinstance(address, ipaddress.IPv6Address) and address.ipv4_mapped is None:
-        return str(ipaddress.ip_network((address, 64), strict=False))
-    return str(getattr(address, "ipv4_mapped", None) or address)
 
 
 # uvicorn

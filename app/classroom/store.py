@@ -89,7 +89,9 @@ class Store:
             self._file.execute("pragma synchronous=full")
             self._file.executescript(TABLES)
             self._file.create_function("unlinked", 4, unlinked, deterministic=True)
-            self.kept, self.persons, self.rounds = self._kept(), self._persons(), self._rounds()
+            persons = dict(self._file.execute("select key, number from persons"))
+            self.persons = msgspec.convert(persons, dict[str, int])
+            self.kept, self.rounds = self._kept(), self._rounds()
 
     def _open(self) -> sqlite3.Connection:
         return sqlite3.connect(str(self.path), timeout=LOCKED_S, check_same_thread=False, isolation_level=None)
@@ -121,9 +123,6 @@ class Store:
         for name in {"sessions", "orders"} & found.keys():
             found[name] = msgspec.json.decode(found[name])
         return msgspec.convert(found, Kept, strict=False)
-
-    def _persons(self) -> dict[str, int]:
-        return msgspec.convert(dict(self._file.execute("select key, number from persons")), dict[str, int])
 
     def _rounds(self) -> list[Round]:
         rows = self._file.execute("select * from rounds order by number").fetchall()

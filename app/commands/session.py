@@ -12,7 +12,7 @@ from viewimit.loop.settings import given
 from viewimit.simulation.world import pose_for_hand
 
 from ..model.choices import SPEEDS, Preset, modified
-from ..model.editing import rehearsal_of
+from ..model.editing import Rehearsal
 from ..model.following import Played
 from ..model.keeping import become
 from ..model.link import read_link
@@ -77,7 +77,7 @@ def reset(model: PageModel) -> None:
 @command("rehearsal", moves=True)
 def toggle_rehearsal(model: PageModel) -> None:
     """Let the learner watch itself first, or forget what it has seen of itself."""
-    if rehearsal_of(model.session).held:
+    if Rehearsal(model.session).held:
         model.undoable.forget_rehearsal()
     else:
         model.undoable.rehearse()

@@ -78,18 +78,16 @@ def proposed_marks(views: FourViews, windows: Windows, whole: bool) -> str:
 def _over_images(inside: Mapping[str, str], how: str, whole: bool, classes: str = "", attributes: str = "") -> str:
     """Wrap drawings by view in the panel's arrangement, so that each lies over its image. how: HTML of its sentence."""
     drawings = [f'<div class="vi-heading vi-over-{pair}" aria-hidden="true"></div>' for pair in HEADINGS]
-    drawings += [_drawing(f"vi-at-{view}", size, inside[view]) for view, size in SIZES[whole].items()]
+    drawings += [  # only their links receive clicks
+        f'<svg class="vi vi-at-{view}" viewBox="0 0 {width} {height}">{inside[view]}</svg>'
+        for view, (width, height) in SIZES[whole].items()
+    ]
     drawings.append(f'<p class="vi-how">{how}</p>')
     kind = f"vi-images{' vi-whole' if whole else ''}"
     return (
         f'<div class="vi-above{classes}"><div class="vi-panel vi-four"><div class="{kind}"{attributes}>'
         f"{''.join(drawings)}</div></div></div>"
     )
-
-
-def _drawing(kind: str, size: tuple[int, int], inside: str = "") -> str:
-    """Build the layer over the drawing of the same class; only its links receive clicks."""
-    return f'<svg class="vi {kind}" viewBox="0 0 {size[0]} {size[1]}">{inside}</svg>'
 
 
 def _corners(width: int) -> str:

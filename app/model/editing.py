@@ -223,18 +223,15 @@ def _run(session: Session) -> Run:
 # The self-observations of a learner before it imitates, in words
 
 
-@dataclass(frozen=True)
 class Rehearsal:
-    """seen: postures that are remembered; to_go: in which the learner is still to watch itself; servo: by its name;
-    holds: whether the servo uses the observations, None before it was asked; motions: of the imitation; rests:
-    whether that has come to its end."""
+    """Of a session at the moment that is shown. seen: postures that the learner remembers; to_go: in which it is still
+    to watch itself."""
 
-    seen: int
-    to_go: int
-    servo: str
-    holds: bool | None
-    motions: int
-    rests: bool
+    def __init__(self, session: Session):
+        now = self._now = session.snapshot
+        self.seen = 0 if now.calibration is None else len(now.calibration)
+        self.to_go = 0 if now.pending_postures is None else len(now.pending_postures)
+        self._motions, self._is_used = session.history.imitation_motions, SERVOS[now.settings.servo].predicts
 
     @property
     def held(self) -> bool:
@@ -244,34 +241,24 @@ class Rehearsal:
     @property
     def offered(self) -> bool:
         """Whether a rehearsal can begin, or its observations can be discarded."""
-        return self.held or SERVOS[self.servo].predicts
+        return self.held or self._is_used
 
     @property
     def words(self) -> str:
         """The remembered postures and whether they hold, or why no rehearsal is offered; "" for nothing to say."""
         if self.to_go:
             return f"Watches itself: {self.seen} of {self.seen + self.to_go} poses."
-        able, one = SERVOS[self.servo].predicts, self.seen == 1
+        remembers, holds = f"Remembers {self.seen} poses", self._now.calibration_holds
+        if not self._is_used:
+            return f"{remembers}; only for {_able()}." if self.held else f"Only for {_able()}."
         if not self.held:
-            return "" if able else f"Only for {_able()}."
-        remembers = f"Remembers {self.seen} pose{'' if one else 's'}"
-        if not able:
-            return f"{remembers}; only for {_able()}."
-        if self.holds is False:
-            return f"{remembers}, which {'does' if one else 'do'} not hold here: it probes."
-        if self.holds is None:
-            return f"{remembers}; Play imitates with {'it' if one else 'them'}."
-        imitates = f"{'Imitated in' if self.rests else 'Imitates:'} {count_motions(self.motions)}."
-        return f"{remembers}, which {'holds' if one else 'hold'}. {imitates}"
-
-
-def rehearsal_of(session: Session) -> Rehearsal:
-    """At the moment that is shown."""
-    now = session.snapshot
-    seen = 0 if now.calibration is None else len(now.calibration)
-    to_go = 0 if now.pending_postures is None else len(now.pending_postures)
-    made, rests = session.history.imitation_motions, now.status.is_at_rest
-    return Rehearsal(seen, to_go, now.settings.servo, now.calibration_holds, made, rests)
+            return ""
+        if holds is False:
+            return f"{remembers}, which do not hold here: it probes."
+        if holds is None:
+            return f"{remembers}; Play imitates with them."
+        imitates = "Imitated in" if self._now.status.is_at_rest else "Imitates:"
+        return f"{remembers}, which hold. {imitates} {count_motions(self._motions)}."
 
 
 def _able() -> str:

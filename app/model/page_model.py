@@ -9,7 +9,6 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from viewimit.drawing.export.panels import largest_residual
 from viewimit.drawing.export.perspective import Viewpoint
@@ -119,10 +118,6 @@ class PageModel:
         self.comparison.ask(world, present)
         self.basins.follow(self.session)
         self.duel_landscapes.ask(world, present, self.duel.opponent)
-
-    def poses(self, now: float) -> tuple[NDArray, ...]:
-        """(m,) rad each: where the learner is seen, the demonstrator, and one more arm if there is one."""
-        return self.display.poses(now)
 
     def refresh(self, now: float, shortest_motion: float = 0.0) -> Displayed:
         """Update the display. shortest_motion: s; an arm that moves for less is displayed where it arrives."""

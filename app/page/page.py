@@ -110,7 +110,7 @@ class Page:
         if world is not self._world:
             self._world, self._posed, self._is_new = world, None, True
             self._scene.build(world)
-        poses = self.model.poses(self._now)
+        poses = self.model.display.poses(self._now)
         posed = tuple(pose.tobytes() for pose in poses)
         if posed != self._posed and self._scene.arms is not None:
             self._posed = posed
@@ -174,7 +174,8 @@ class CommandLoop:
     def tick(self, now: float, budget: float) -> None:
         self._end_turn(now)
         if self.turns.busy:
-            self._apply_meanwhile(now)
+            if not self.turns.alone:  # what need not wait for the turn that goes on
+                self._apply_in_time(self._queue.take_order_independent(), now)
         else:
             self._take_turn(now, budget)
 
@@ -221,11 +222,6 @@ class CommandLoop:
         motions = self._model.motions
         if motions.recorder is not None or motions.shown is not None:
             motions.tick()
-
-    def _apply_meanwhile(self, now: float) -> None:
-        """What need not wait for the turn that goes on."""
-        if not self.turns.alone:
-            self._apply_in_time(self._queue.take_order_independent(), now)
 
     def _apply_in_time(self, commands: list[Queued], now: float, rest: list[Queued] | None = None) -> bool:
         """Apply commands in their order. Return whether all were; else the others wait for the next tick."""

@@ -50,9 +50,15 @@ def experiments(layout: Layout, model: PageModel) -> None:
         with layout.row():
             progress = layout.gui.add_html(draw_progress(None, ""))
             layout.button(
-                lambda model: SEE if model.displayed.playback is None else STOP, "imitation", visible=_can_be_seen
+                lambda model: SEE if model.displayed.playback is None else STOP,
+                "imitation",
+                visible=lambda model: (run := model.experiments.shown) is not None and run.imitation is not None,
             )
-            layout.button(("Download figure and data", Icon.DOWNLOAD), "download", enabled=_can_be_taken)
+            layout.button(
+                ("Download figure and data", Icon.DOWNLOAD),
+                "download",
+                enabled=lambda model: (run := model.experiments.shown) is not None and bool(run.archive),
+            )
         layout.html(lambda model: POINTS_ONLY if model.experiments.ignores_pictures else "")
         figure, claims = layout.gui.add_html(""), layout.gui.add_html("")
         layout.gui.add_html(asks(("Q", "bias", "basin")))
@@ -69,16 +75,6 @@ def experiments(layout: Layout, model: PageModel) -> None:
             return model.generation, model.experiments.chosen, model.experiments.latest, model.experiments.shown
 
         layout.drawing(key, draw)
-
-
-def _can_be_seen(model: PageModel) -> bool:
-    run = model.experiments.shown
-    return run is not None and run.imitation is not None
-
-
-def _can_be_taken(model: PageModel) -> bool:
-    run = model.experiments.shown
-    return run is not None and bool(run.archive)
 
 
 def draw_progress(run: Run | None, chosen: str) -> str:

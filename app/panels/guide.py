@@ -58,24 +58,11 @@ KEYS = (
 
 
 def keys(layout: Layout, model: PageModel) -> None:
-    gui, card = layout.gui, None  # the open modal
-    gui.add_html(f'<div class="vi-keys">{key_caps(key for key in KEYS if key.hinted)}</div>')
+    layout.gui.add_html(f'<div class="vi-keys">{key_caps(key for key in KEYS if key.hinted)}</div>')
     for key in KEYS:
         _add_hotkey(layout, key)
-
-    def show_help(model: PageModel) -> None:
-        nonlocal card
-        if card is not None:
-            card.close()
-            card = None
-        if model.view.help:
-            card = gui.add_modal("viewimit: what is seen here")
-            with card:
-                done = gui.add_button("Close")  # first, so that it has the focus and is in sight
-                gui.add_html(help_html(key_caps(KEYS)))
-            layout.queue.on_click(done, "help")
-
-    layout.drawing(lambda model: (model.view.help,), show_help)
+    content = lambda model: help_html(key_caps(KEYS))
+    layout.modal("viewimit: what is seen here", "help", lambda model: model.view.help, content)
 
 
 def _add_hotkey(layout: Layout, key: Key) -> None:

@@ -23,7 +23,7 @@ from ..model.choices import (
     joint_choices,
     modified,
 )
-from ..model.editing import rehearsal_of
+from ..model.editing import Rehearsal
 from ..model.page_model import PageModel
 from .panel import SLOW, JointSliders, Layout, Look, put, put_html, put_max
 
@@ -155,9 +155,9 @@ def start(layout: Layout, model: PageModel) -> None:
     with folder:
         with layout.row(quiet=True):
             layout.button(
-                _rehearsal_look, "rehearsal", hint=HINT, enabled=lambda model: rehearsal_of(model.session).offered
+                _rehearsal_look, "rehearsal", hint=HINT, enabled=lambda model: Rehearsal(model.session).offered
             )
-            layout.html(lambda model: f'<div class="vi-remembers">{rehearsal_of(model.session).words}</div>')
+            layout.html(lambda model: f'<div class="vi-remembers">{Rehearsal(model.session).words}</div>')
         inside = layout.gui.add_folder(None)
     sliders = JointSliders(layout, inside, "Start {joint}", "start_joint", "The learner starts again there.")
 
@@ -172,7 +172,7 @@ def _angles(angles_deg: Sequence[float]) -> str:
 
 
 def _rehearsal_look(model: PageModel) -> Look:
-    rehearsal = rehearsal_of(model.session)
+    rehearsal = Rehearsal(model.session)
     return STOP if rehearsal.to_go else FORGET if rehearsal.held else WATCH
 
 

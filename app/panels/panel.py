@@ -225,6 +225,37 @@ class Layout:
         handle = self.gui.add_slider(label, low, high, step, low, **options)
         return self.value(handle, value, command, *first, period=period)
 
+    def modal(
+        self,
+        title: str,
+        command: str,
+        is_open: Callable[[PageModel], bool],
+        content: Callable[[PageModel], str],
+        key: Callable[[PageModel], tuple] = lambda model: (),
+        period: float = 0.0,
+    ) -> None:
+        """A card over the page, which a command closes. content: its HTML; key: what that depends on."""
+        card: Any = None  # the open one, whose class viser does not name
+        inside: Any = None
+
+        def draw(model: PageModel) -> None:
+            nonlocal card, inside
+            if card is not None and not is_open(model):
+                card.close()
+                card = None
+            if not is_open(model):
+                return
+            if card is None:
+                card = self.gui.add_modal(title)
+                with card:
+                    done = self.gui.add_button("Close")  # first, so that it has the focus and is in sight
+                    inside = self.gui.add_html("")
+                self.queue.on_click(done, command)
+            put_html(inside, content(model))
+
+        shown = lambda model: (True, *key(model)) if is_open(model) else (False,)
+        self.drawing(shown, draw, lambda model: period if card is not None and is_open(model) else 0.0)
+
     def value(self, handle: Any, value: Read, command: str, *first: Any, period: float = 0.0) -> Any:
         """Bind a widget of any kind: what it shows, and the command that a person's change of it calls."""
         self.queue.on_value(handle, command, *first)

@@ -2,7 +2,6 @@
 repeats it."""
 
 import html
-from typing import Any
 
 import segno
 from viser import Icon
@@ -16,7 +15,7 @@ from ..model.keeping import share_link
 from ..model.link import described, files_named
 from ..model.page_model import PageModel
 from ..model.pictures import FORMATS, PICTURES, lacking
-from .panel import SLOWEST, Layout, put_html
+from .panel import SLOWEST, Layout
 
 REPLAY = "all steps as one file that any browser opens, without a server"
 PICTURE = "at print size, in colours of print, with the caption that makes it citable; S"
@@ -44,30 +43,14 @@ def save(layout: Layout, model: PageModel) -> None:
 def share(layout: Layout, model: PageModel) -> None:
     """The card with a link."""
     origin = layout.info.public_url or layout.info.origin
-    card: Any = None  # the open modal, whose class viser does not name
-    inside: Any = None
-
-    def key(model: PageModel) -> tuple:
-        if not model.view.share:
-            return (False,)
-        return True, model.snapshot, model.view, model.player.speed, model.preset.name
-
-    def show(model: PageModel) -> None:
-        nonlocal card, inside
-        if card is not None and not model.view.share:
-            card.close()
-            card = None
-        if not model.view.share:
-            return
-        if card is None:
-            card = layout.gui.add_modal("What this page shows, for others")
-            with card:
-                done = layout.gui.add_button("Close")  # first, so that it has the focus and is in sight
-                inside = layout.gui.add_html("")
-            layout.queue.on_click(done, "share")
-        put_html(inside, share_html(model, origin, is_local=layout.info.public_url is None))
-
-    layout.drawing(key, show, lambda model: SLOWEST if card is not None and model.view.share else 0.0)
+    layout.modal(
+        "What this page shows, for others",
+        "share",
+        lambda model: model.view.share,
+        lambda model: share_html(model, origin, is_local=layout.info.public_url is None),
+        lambda model: (model.snapshot, model.view, model.player.speed, model.preset.name),
+        SLOWEST,
+    )
 
 
 def share_html(model: PageModel, origin: str | None, is_local: bool = False) -> str:

@@ -14,7 +14,6 @@ from viewimit.simulation.scene_geometry import (
     LOOKS,
     PLATE,
     VIEW_ROLES,
-    Label,
     Look,
     Solid,
     cameras_of,
@@ -85,7 +84,8 @@ class Fixtures:
         for solid in solids(world):
             self._add_solid(solid)
         for label in labels(world):
-            self._add_text(label)
+            node, line = f"/stage/{label.name}", LINE * self._size
+            nodes.keep(add_text(client.scene, node, label.text, label.role, dark, label.position, line))
         for name, camera, role in zip(VIEWS, cameras_of(world), VIEW_ROLES):
             self._add_frustum(name, camera, role)
             self._add_picture(name, camera)
@@ -134,10 +134,6 @@ class Fixtures:
             receive_shadow=False,
         )
         self._nodes.keep(self._plates[name])
-
-    def _add_text(self, label: Label) -> None:
-        node, line = f"/stage/{label.name}", LINE * self._size
-        self._nodes.keep(add_text(self._client.scene, node, label.text, label.role, self._dark, label.position, line))
 
     def _add_picture(self, view: str, camera: Camera) -> None:
         """As large as the plate and just behind it, so that drawings on the plate stay in sight; hidden."""

@@ -126,7 +126,8 @@ class AccessControl:
             return plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, "gone")
         path = request.path.partition("?")[0]
         if path == "/health":
-            return self._tell_health()
+            report = json.dumps({"status": "ok", "clients": len(self.seats)})
+            return plain_response(http.HTTPStatus.OK, report + "\n", "application/json")
         if path == "/lab" or path.startswith("/lab/"):
             return await self._answer_lab(path[5:])
         try:
@@ -168,10 +169,6 @@ class AccessControl:
         """Free the place of a connection that has ended."""
         self.pending.discard(connection)
         self.seats.discard(connection)
-
-    def _tell_health(self) -> Response:
-        report = {"status": "ok", "clients": len(self.seats)}
-        return plain_response(http.HTTPStatus.OK, json.dumps(report) + "\n", "application/json")
 
 
 def _without_body(connection: GuardedConnection, _request: Request, response: Response) -> None:

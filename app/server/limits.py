@@ -43,7 +43,7 @@ def in_a_line(message: str, error: BaseException | None) -> str:
     return f"{message}: {error!r} at {places}"
 
 
-UNKNOWN = 1  # the address of a client that is gone already
+UNKNOWN = 1  # the address of a client that is gone already, or is none
 
 
 def network_of(peer: tuple | None) -> int:
@@ -52,9 +52,10 @@ def network_of(peer: tuple | None) -> int:
     A machine may take any of the 2^64 addresses of an IPv6 network. So the first half counts; of link-local addresses,
     which all begin alike, the second.
     """
-    if not peer:
+    try:
+        address = ipaddress.ip_address(peer[0] if peer else "")
+    except ValueError:  # as proxies may name a client
         return UNKNOWN
-    address = ipaddress.ip_address(peer[0])
     if isinstance(address, ipaddress.IPv6Address) and address.ipv4_mapped is not None:
         address = address.ipv4_mapped
     if isinstance(address, ipaddress.IPv4Address):

@@ -42,9 +42,7 @@ const handBack = () => {
   sentProblem = "";
   tellProblem();
 };
-const tellProblem = () => {
-  if (kept.problem !== sentProblem) act("unsaved", sentProblem = kept.problem);
-};
+const tellProblem = () => { if (kept.problem !== sentProblem) act("unsaved", sentProblem = kept.problem); };
 const keep = sent => {
   if (!sent) return;
   kept.take(sent);

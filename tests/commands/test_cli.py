@@ -49,13 +49,20 @@ def test_imitate_tells_the_run_of_the_session(ask_json):
         assert (told_moment["E"], told_moment["probe"]) == (rounded(moment.E), moment.probe)
 
 
+HAND = """extends = "panda"
+[points]
+6 = [[7, 0.062, 0.08, 0.162], [7, -0.05, -0.031, 0.173], [7, -0.039, 0.021, 0.09], [7, -0.073, -0.054, 0.173],
+  [7, 0.045, 0.051, 0.173], [7, 0.0, 0.016, 0.172]]
+"""  # which keeps its shape in every pose
+
+
 def test_joints_that_nothing_tells_are_named_and_nothing_is_claimed(ask_json, ask):
     status, told = ask_json("imitate", "--start", "25,-45")
     assert status == 0 and [joint["name"] for joint in told["joints"]] == ["theta2", "theta4"]
     assert all(joint["observable"] for joint in told["joints"])
     assert [joint["deg"] for joint in told["joints"]] == told["final_deg"]
     assert told["std_error_deg"] > max(joint["std_error_deg"] for joint in told["joints"])
-    few = "imitate", "--n-points", 5, "--demonstrator", "20,-30"
+    few = "imitate", "--scene", HAND, "--n-points", 6, "--start", "25,-45"
     status, told = ask_json(*few)
     assert status == 1 and told["status"] == "unobservable" and not told["converged"]
     for joint in told["joints"]:

@@ -8,14 +8,13 @@ from drawn import (
     INSET,
     LABELS,
     LEARNERS_PATH,
-    LED,
     marked,
     parsed,
     path,
 )
 
 from viewimit.analysis.landscape import grid_axes, landscape_over
-from viewimit.drawing.labels import CHARACTER, LINE, Labels
+from viewimit.drawing.labels import CHARACTER, LINE
 from viewimit.drawing.landscape import LandscapePicture
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.transfers import TRANSFERS
@@ -86,13 +85,6 @@ def require_free(session, root):
 @pytest.mark.parametrize("name", SITUATIONS)
 def test_labels_keep_off_each_other_the_path_the_marks_and_the_inset(name):
     require_free(*drawn(SITUATIONS[name]))
-
-
-def test_a_label_without_room_is_left_out():
-    labels = Labels(0, 0, 100, 20)
-    assert "E" in labels.beside(50, 10, "E", "", 4)
-    labels.take((0, 0, 100, 20))
-    assert labels.beside(50, 10, "E", "", 4) == "" == labels.led(50, 10, "E", LED, True)
 
 
 def test_the_path_does_not_cross_the_inset():

@@ -5,7 +5,6 @@ import pytest
 
 from viewimit import Session, Settings
 from viewimit.loop.demonstrator import average_looks
-from viewimit.servo import SERVOS
 
 NOISY = {"noise_px": 0.25, "frames": 25}
 
@@ -22,13 +21,6 @@ def test_the_noise_of_the_mean_is_measured_by_what_the_looks_differ(ratio):
     assert visible.all() and noise_px == pytest.approx(0.2 * ratio / 4, rel=0.15)
     assert np.sqrt(((mean - exact) ** 2).mean()) == pytest.approx(noise_px, rel=0.2)
     assert average_looks(pictures, 0.2, 0.5)[1] > 0.5
-
-
-def test_few_looks_and_equal_ones_are_not_averaged():
-    _, pictures = looks(np.random.default_rng(2), 2, 0.2)
-    assert average_looks(pictures, 0.2, 0.0) == (pictures[0], 0.2)
-    equal = [pictures[0]] * 5
-    assert average_looks(equal, 0.2, 0.0)[1] == 0.2
 
 
 def test_a_session_collects_looks_until_the_demonstrator_moves():
@@ -51,18 +43,3 @@ def test_swaps_hold_for_the_mean_too():
     session.run(30)
     seen = session.observation(session.snapshot)
     assert session.snapshot.exchanged and np.nanmax(np.abs(seen.demo_average - seen.demo)) < 1
-
-
-@pytest.mark.slow
-def test_names_hold_for_the_mean_too():
-    unnamed = Session(Settings(seed=1, servo="likelihood", matched=False, points=16, start_deg=(70, -140), **NOISY))
-    unnamed.run(30)
-    seen = unnamed.observation(unnamed.snapshot)
-    assert unnamed.snapshot.views.matched and np.nanmax(np.abs(seen.demo_average - seen.demo)) < 1
-
-
-def test_without_noise_there_is_one_look():
-    session = Session(Settings(servo="likelihood"))
-    session.run(10)
-    assert len(session.snapshot.demo_looks) == 1
-    assert SERVOS["likelihood"].rigid

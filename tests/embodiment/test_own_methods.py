@@ -204,19 +204,6 @@ def test_a_servo_cannot_claim_to_have_converged_without_a_certificate():
         Session(Settings(**START), servo=Resting(converged)).step()
 
 
-def test_a_servo_without_memory_may_have_none_as_its_state_but_no_other_may():
-    class Stateless:
-        def start(self, seen):
-            return None
-
-        def step(self, state, seen, residuals):
-            return None, np.full(2, 0.01)
-
-    assert Session(Settings.paper(**START), servo=Stateless()).run(3).motions == 3
-    with pytest.raises(TypeError, match="'Resting' returned None as its next state; only stateless servos may"):
-        Session(Settings.paper(**START), servo=Resting(None)).step()
-
-
 class Asking:
     """Goes to random postures, and keeps what it observes and the residuals of that."""
 

@@ -16,7 +16,6 @@ from viewimit.drawing.export import figures
 from viewimit.drawing.export.citation import cite
 from viewimit.drawing.export.figures import (
     can_typeset,
-    encode,
     four_images,
     overlay,
     stack,
@@ -89,14 +88,6 @@ def test_the_scene_is_seen_as_a_pinhole_camera_at_the_eye_would(session):
         world, moment, Viewpoint(eye.target, eye.position)
     ).inside  # nothing is drawn of what lies behind
     assert behind.count("<path") < 0.7 * drawn.count("<path")
-
-
-def test_png_is_as_large_as_print_needs_or_says_what_it_lacks(session, monkeypatch):
-    picture = draw_space(session.world, session.snapshot).captioned(cite(session))
-    assert encode(picture, ".svg") == picture.encode()
-    monkeypatch.setattr(figures, "can_render", lambda suffix=".png": False)
-    with pytest.raises(ValueError, match=r"PNG needs resvg_py: pip install 'viewimit\[plot\]'; SVG does not"):
-        encode(picture, ".png")
 
 
 def test_the_page_hands_out_a_replay_and_every_picture():

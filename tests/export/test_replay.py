@@ -14,7 +14,7 @@ from waiting import wait_until
 import viewimit
 from viewimit.drawing.export.citation import cite
 from viewimit.drawing.export.panels import compute_landscape, make_landscape
-from viewimit.drawing.export.recording import MAP_DEG, MAX_SNAPSHOTS, PX, RAD, SHARE, kept_motions
+from viewimit.drawing.export.recording import MAP_DEG, PX, RAD, SHARE
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
@@ -117,13 +117,6 @@ def test_long_failed_and_many_jointed_runs_are_small(settings, motions, status):
     replay = viewimit.replay(session)
     assert session.snapshot.status == (status or session.snapshot.status)
     assert len(replay.html) < 0.8 * MB and len(unpacked(replay)["run"]["snapshots"]) == len(session.history)
-
-
-def test_of_a_long_run_moments_are_spread_and_both_ends_kept(session):
-    long = [session.history[0].with_fields(motion=k) for k in range(1000)]
-    kept = kept_motions(long)
-    assert len(kept) <= MAX_SNAPSHOTS and kept[0] == 0 and kept[-1] == 999 and np.ptp(np.diff(kept)[:-1]) == 0
-    assert kept_motions([long[k - k % 8] for k in range(1000)])[1] % 8 == 0  # what stands for others, once
 
 
 def test_the_command_writes_it_and_says_its_size(tmp_path, ask):

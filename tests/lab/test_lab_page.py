@@ -324,19 +324,13 @@ def test_arrow_keys_step_after_a_pointer_and_stay_with_a_widget_reached_by_keys(
         page.keyboard.press("ArrowLeft")
         assert now(page)["motion"] == motion, after
 
-    for choice in ("Linear", "Epipolar", "Retuned", "Broyden"):
-        page.locator(".choice span", has_text=choice).click()
-        steps_and_undoes(choice)
-    page.locator(".choice span", has_text="Broyden").click()  # again
-    steps_and_undoes("the same choice")
-    page.mouse.click(*middle("#space"))
-    steps_and_undoes("a click in the scene")
-    drag(page, middle("#space"), (40, 10))
-    steps_and_undoes("a drag in the scene")
-    page.mouse.click(*middle("#map"))
-    steps_and_undoes("a click in the map")
-    drag(page, middle("#map"), (30, -20))
-    steps_and_undoes("a drag in the map")
+    page.locator(".choice span", has_text="Linear").click()
+    steps_and_undoes("a choice")
+    for what in ("#space", "#map"):
+        page.mouse.click(*middle(what))
+        steps_and_undoes(f"a click in {what}")
+        drag(page, middle(what), (40, 10))
+        steps_and_undoes(f"a drag in {what}")
 
     page.locator("[name=servo][value=broyden]").focus()
     page.keyboard.press("ArrowRight")

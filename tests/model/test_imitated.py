@@ -28,7 +28,7 @@ def test_each_frame_is_seen_in_its_time_and_the_session_stays_as_it_is(model):
     imitation, present = model.experiments.shown.imitation, model.session.snapshot
     for frame in range(FRAMES):
         now = BEGUN + (frame + 0.5) * STEP_S
-        learner, demonstrator = model.poses(now)
+        learner, demonstrator = model.display.poses(now)
         assert np.array_equal(learner, imitation.theta[frame])
         assert np.array_equal(demonstrator, imitation.theta_demo[frame])
         state = model.refresh(now)
@@ -40,7 +40,7 @@ def test_each_frame_is_seen_in_its_time_and_the_session_stays_as_it_is(model):
         assert f"{frame * STEP_S:.1f} of 2.0 s" in state.playback
     over = BEGUN + FRAMES * STEP_S
     assert model.refresh(over).playback is None and model.refresh(over).scene_snapshot is present
-    assert np.array_equal(model.poses(over)[0], present.theta)
+    assert np.array_equal(model.display.poses(over)[0], present.theta)
 
 
 def test_points_are_recovered_by_the_transfer_that_was_frozen(model):

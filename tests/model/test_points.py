@@ -83,20 +83,6 @@ def test_the_chosen_point_is_removed_down_to_those_that_a_transfer_needs(visit):
     assert rows(model) == before[-5:] and model.view.chosen == 0
 
 
-def test_nothing_is_edited_unless_editing_is_on(visit):
-    model, visitor = visit
-    visitor.act("edit points")
-    before = model.session.snapshot
-    for edit in (
-        lambda: PLACE.apply(model, 0.0),
-        lambda: visitor.act("remove point"),
-        lambda: visitor.act("best next"),
-    ):
-        with pytest.raises(ValueError, match="not being edited"):
-            edit()
-    assert model.session.snapshot is before and model.points.shown.information is None
-
-
 def test_the_best_next_is_proposed_then_taken(visit, worker):
     model, visitor = visit
     before, was = rows(model), model.points.shown.information

@@ -6,7 +6,7 @@ import pytest
 from page_fakes import Hands, quiet_model
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.model.editing import rehearsal_of
+from viewimit.app.model.editing import Rehearsal
 
 from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.session import Session
@@ -36,7 +36,7 @@ def play(model, motions=100):
 
 
 def said(model):
-    return rehearsal_of(model.session).words
+    return Rehearsal(model.session).words
 
 
 def test_it_goes_through_the_postures_that_the_library_does_and_on_to_imitate(visit):

@@ -54,7 +54,7 @@ class Stage:
         """What is seen of this model's world, once all has arrived."""
         with self._client.atomic():
             self._scene.build(model.session.world)
-            self._scene.arms.draw(*model.poses(0.0), theta_opponent)
+            self._scene.arms.draw(*model.display.poses(0.0), theta_opponent)
             model.refresh(0.0)
             self._scene.show(model)
         self._shown += 1

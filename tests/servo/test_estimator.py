@@ -1,15 +1,17 @@
 """The estimator: accuracy, claims, hypotheses, limits, following, and that it says when it knows nothing."""
 
 from dataclasses import replace
+from math import erf
 
 import numpy as np
 import pytest
 from linear_world import LinearWorld
 
 from viewimit import Session, Settings
-from viewimit.servo import SERVOS, MisfitKind, ServoStatus
+from viewimit.servo import SERVOS, Certificate, MisfitKind, ServoStatus
 from viewimit.servo.estimator import EstimatorOptions
 from viewimit.servo.estimator.rule import cost, loss
+from viewimit.simulation.scene import load_scene
 
 NOISY = {"noise_px": 0.25, "frames": 25}
 
@@ -27,6 +29,31 @@ def error_deg(session):
 def test_without_noise_two_probes_and_one_motion_suffice(start):
     session, result = run(start)
     assert result.success and result.motions <= 4 and error_deg(session) < 1e-3
+
+
+@pytest.mark.parametrize("scene", ["panda", "iiwa"])
+def test_it_arrives_from_anywhere_in_the_range_and_from_corner_to_corner(scene):
+    """Within 0.001° of the demonstrator, and no motion passes a limit."""
+    rng, limits = np.random.default_rng(20), np.array(load_scene(scene).range_deg).T
+    pairs = [*rng.uniform(*limits, (8, 2, 2)), limits, limits[::-1]]
+    motions = []
+    for demo, start in pairs:
+        session, result = run(tuple(start), scene=scene, demonstrator_deg=tuple(demo))
+        assert result.success and error_deg(session) < 1e-3
+        for moment in session.history:
+            theta = np.degrees(moment.theta)
+            assert (theta >= limits[0] - 1e-9).all() and (theta <= limits[1] + 1e-9).all()
+        motions.append(result.motions)
+    assert np.median(motions) <= 3 and max(motions) <= 5
+
+
+def test_seven_joints_take_a_probe_each_and_one_motion():
+    settings = Settings(joints=(1, 2, 3, 4, 5, 6, 7), points=16)
+    session = Session(settings)
+    lower, upper = session.embodiment.lower, session.embodiment.upper
+    session.pose(np.clip(session.snapshot.theta + np.random.default_rng(1).uniform(-0.5, 0.5, 7), lower, upper))
+    result = session.run(60)
+    assert result.success and result.motions <= 9 and error_deg(session) < 1e-3
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in range(1, 6))])
@@ -110,3 +137,12 @@ def test_the_rule_prefers_less_error_and_shorter_ways():
     ways = np.radians([[0.0, 1.0], [5.0, 1.0], [20.0, 1.0], [90.0, 1.0]])
     assert (np.diff(cost(ways, np.radians(10), options)) > 0).all()
     assert cost(ways[2], np.inf, options, looks=3) > cost(ways[2], np.inf, options)
+
+
+@pytest.mark.parametrize("joints", [1, 2, 7])
+def test_the_simultaneous_error_holds_the_largest_of_all_joints_as_often_as_two_sigma_holds_one(joints):
+    """Šidák: of independent errors, all are within 2 s with the probability that a single one is within 2 σ."""
+    one = np.full(joints, np.radians(0.5))
+    bound = 2 * Certificate(one, one).simultaneous_std_error / np.radians(0.5)
+    within = lambda sigmas: erf(sigmas / np.sqrt(2))
+    assert within(bound) ** joints == pytest.approx(within(2.0))

@@ -318,8 +318,9 @@ class Snapshot:
             The other one.
         """
         other = replace(self, **changes)
-        if all(getattr(self, name) is getattr(other, name) for name in COMPUTED_FROM):
-            other.__dict__.update({name: value for name, value in self.__dict__.items() if name in COMPUTED})
+        kept = COMPUTED & self.__dict__.keys()
+        if kept and all(getattr(self, name) is getattr(other, name) for name in COMPUTED_FROM):
+            other.__dict__.update({name: self.__dict__[name] for name in kept})
         return other
 
     def recovered_by(self, transfer: FittedTransfer) -> "Snapshot":

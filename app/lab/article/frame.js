@@ -23,8 +23,7 @@ export class Frame {
     this.controls = make("div", {class: "controls"});
     this.hint = make("p", {class: "hint"});
     box.append(this.panels, this.controls, this.hint);
-    /** Maps, which are drawn on canvases. @type {EnergyMap[]} */
-    this.maps = [];
+    this.maps = /** @type {EnergyMap[]} */ ([]); // maps, which are drawn on canvases
     this.figure = /** @type {Figure | null} */ (null);
     this.waits = false;
   }

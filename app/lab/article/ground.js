@@ -20,8 +20,7 @@ export class Ground {
     this.world = world;
     this.landscape = new Landscape(world, STEP_DEG);
     this.isDue = true;
-    /** The demonstrator's posture that the landscape is of. */
-    this.key = "";
+    this.key = ""; // the demonstrator's posture that the landscape is of
   }
 
   /** @param {World} world */
@@ -42,9 +41,7 @@ export class Ground {
   }
 
   /** The size of the map or its colours have changed. */
-  measure() {
-    this.isDue = true;
-  }
+  measure() { this.isDue = true; }
 
   /** @param {number[]} demonstrator @param {number[]} learner @param {{theta: number[], probe: boolean}[]} [path] */
   draw(demonstrator, learner, path = []) {

@@ -30,7 +30,7 @@ def script() -> str:
 @cache
 def styles() -> str:
     """Return what the figures need beside the styles of the drawings."""
-    return HERE.joinpath("article.css").read_text("utf-8")
+    return "".join((HERE / name).read_text("utf-8") for name in ("../lessons/figures/figures.css", "article.css"))
 
 
 def _data() -> dict[str, Any]:

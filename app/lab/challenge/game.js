@@ -19,12 +19,9 @@ export class Game {
     this.challenge = challenge;
     this.level = LEVELS[challenge.level];
     this.session = sessionOf(world, challenge);
-    /** Steps of the robot. */
-    this.robot = robotSteps(world, challenge);
-    /** What is seen now. */
-    this.moment = this.session.now;
-    /** Where the arm has stood, the start first. */
-    this.path = [this.#stand()];
+    this.robot = robotSteps(world, challenge); // steps of the robot
+    this.moment = this.session.now; // what is seen now
+    this.path = [this.#stand()]; // where the arm has stood, the start first
     this.isOver = false;
   }
 
@@ -34,18 +31,12 @@ export class Game {
   }
 
   /** How many steps were made. */
-  get made() {
-    return this.path.length - 1;
-  }
+  get made() { return this.path.length - 1; }
 
-  get isThere() {
-    return this.made > 0 && this.path[this.made].off <= this.level.withinDeg;
-  }
+  get isThere() { return this.made > 0 && this.path[this.made].off <= this.level.withinDeg; }
 
   /** The arm on its way, which is no step. @param {number[]} theta */
-  pass(theta) {
-    this.moment = this.session.observe(theta);
-  }
+  pass(theta) { this.moment = this.session.observe(theta); }
 
   /** The arm has arrived, and the referee looks. @param {number[]} theta */
   step(theta) {

@@ -37,8 +37,7 @@ export class Joints {
   /** @param {HTMLElement} box @param {{name: string, low: number, high: number}[]} joints rad
    * @param {(theta: number[]) => void} go @param {...HTMLElement} beside Go */
   constructor(box, joints, go, ...beside) {
-    /** Where the sliders stand, and the arm, rad. @type {number[]} */
-    this.target = [];
+    this.target = /** @type {number[]} */ ([]); // where the sliders stand, and the arm, rad
     this.stands = /** @type {number[]} */ ([]);
     this.isLocked = this.isMoving = false;
     this.button = make("button", {type: "button", class: "filled go", onclick: () => this.#go(go)}, "Go");
@@ -74,9 +73,7 @@ export class Joints {
   }
 
   /** @param {(theta: number[]) => void} go */
-  #go(go) {
-    if (this.#isReady) go([...this.target]);
-  }
+  #go(go) { if (this.#isReady) go([...this.target]); }
 
   /** The arm stands somewhere; a slider that was not set goes with it.
    * @param {number[]} theta rad @param {boolean} isMoving whether the arm is on its way
@@ -90,9 +87,7 @@ export class Joints {
   }
 
   /** Forget what was set. */
-  reset() {
-    this.target = this.stands = [];
-  }
+  reset() { this.target = this.stands = []; }
 
   #show() {
     this.rows.forEach(({input, mark, share}, k) => {

@@ -4,10 +4,23 @@ import {make} from "../lessons/dom.js";
 import {copy} from "../view/page.js";
 import {say} from "../view/svg.js";
 import {stepsText} from "../view/words.js";
-import {levelButtons} from "./levels.js";
 import {fromPose, LEVELS, POINTS, robotSteps, toLink} from "./rules.js";
 
 /** @import {Challenge, Level} from "./rules.js" @import {Scene} from "../engine/world.js" */
+
+/** The levels, side by side. @param {(level: Level) => void} choose */
+export function levelButtons(choose) {
+  const levels = /** @type {Level[]} */ (Object.keys(LEVELS));
+  const buttons = levels.map(level => make("button", {type: "button", onclick: () => choose(level)}, LEVELS[level].title));
+  return {
+    element: make("div", {class: "levels", role: "group", "aria-label": "Level"}, ...buttons),
+    /** @param {Level} chosen @param {boolean} isFixed whether no other can be chosen */
+    show: (chosen, isFixed) => buttons.forEach((button, k) => {
+      button.setAttribute("aria-pressed", String(levels[k] === chosen));
+      button.disabled = isFixed && levels[k] !== chosen;
+    }),
+  };
+}
 
 /** Where a link opens for others: an address of the web, and not a file's or this device's own. */
 export const isPublic = () => location.protocol.startsWith("http") && !/^(localhost|127\.|\[::1\])/.test(location.hostname);

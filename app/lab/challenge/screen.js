@@ -8,7 +8,7 @@ import {stepsText} from "../view/words.js";
 import {Game, plainName} from "./game.js";
 import {between, Joints, play} from "./joints.js";
 import {Played} from "./played.js";
-import {levelButtons} from "./levels.js";
+import {levelButtons} from "./maker.js";
 import {daily, drawChallenge, fromLink, POINTS, toLink} from "./rules.js";
 
 /** @import {Challenge, Level} from "./rules.js" @import {Scene} from "../engine/world.js"
@@ -36,8 +36,7 @@ export class Screen {
     this.world = new World(scene, POINTS);
     this.played = new Played();
     this.game = /** @type {Game | null} */ (null);
-    /** Brings the arm to the end of its glide. @type {(() => void) | null} */
-    this.stop = null;
+    this.stop = /** @type {(() => void) | null} */ (null); // brings the arm to the end of its glide
     this.isMoving = false;
     this.lost = 0; // games, one after the other
     const views = Object.fromEntries(VIEWS.map(view => [view, make("div")]));

@@ -31,9 +31,7 @@ export class EpipolarTransfer {
   }
 
   /** @param {Float64Array} images */
-  recover(images) {
-    return mapped(this.map, images, this.demoMean, this.ownMean);
-  }
+  recover(images) { return mapped(this.map, images, this.demoMean, this.ownMean); }
 }
 
 /** A and B of Eq. (4), 5 x 4 each. @param {Float64Array} f (20) */

@@ -35,15 +35,12 @@ export class LinearTransfer {
     const shape = affineShape(demo);
     this.demoMean = shape.mean;
     this.ownMean = centroid(own);
-    /** σ1/σ3: infinite for points in one plane */
-    this.condition = shape.sigma[0] / shape.sigma[2];
+    this.condition = shape.sigma[0] / shape.sigma[2]; // σ1/σ3: infinite for points in one plane
     this.map = scatter(centred(own, this.ownMean), pseudoInverse(shape));
   }
 
   /** @param {Float64Array} images */
-  recover(images) {
-    return mapped(this.map, images, this.demoMean, this.ownMean);
-  }
+  recover(images) { return mapped(this.map, images, this.demoMean, this.ownMean); }
 }
 
 /** @param {Float64Array} demo @returns {(grid: Grid, posture: number) => number} */

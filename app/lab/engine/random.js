@@ -65,9 +65,7 @@ export class Generator {
     this.#advance();
   }
 
-  #advance() {
-    this.state = this.state * MULTIPLIER + this.increment & MASK_128;
-  }
+  #advance() { this.state = this.state * MULTIPLIER + this.increment & MASK_128; }
 
   /** The next 64 bits. */
   next() {
@@ -77,9 +75,7 @@ export class Generator {
   }
 
   /** Uniform in [0, 1). */
-  random() {
-    return Number(this.next() >> 11n) / 2 ** 53;
-  }
+  random() { return Number(this.next() >> 11n) / 2 ** 53; }
 
   /** Standard normal. */
   normal() {

@@ -38,8 +38,7 @@ export class Session {
   /** @param {World} world @param {Settings} settings */
   constructor(world, settings) {
     this.world = world;
-    /** A body of four points shows what becomes of E then. */
-    this.minPoints = Math.min(MIN_POINTS, world.body.length);
+    this.minPoints = Math.min(MIN_POINTS, world.body.length); // a body of four points shows what becomes of E then
     this.settings = this.#complete(settings);
     this.observer = this.#observer();
     this.history = [this.#first()];
@@ -55,9 +54,7 @@ export class Session {
     this.trace = [traced(this.now)];
   }
 
-  get now() {
-    return this.history[this.history.length - 1];
-  }
+  get now() { return this.history[this.history.length - 1]; }
 
   /** Ask the servo, move, look. False if the servo rests, or the arm must hold still. */
   step() {

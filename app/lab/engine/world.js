@@ -44,9 +44,7 @@ export class World {
   }
 
   /** An arm in its pair of views, undisturbed. @param {Who} who @param {ArrayLike<number>} theta @returns {Look} */
-  look(who, theta) {
-    return project(this.pairs[who], this.arms[who].points(theta, this.body));
-  }
+  look(who, theta) { return project(this.pairs[who], this.arms[who].points(theta, this.body)); }
 }
 
 /** What the learner gets to see. With equal seeds it sees the same; every look has a stream of the seed for itself. */
@@ -55,8 +53,7 @@ export class Observer {
   constructor(world, disturbance, rest) {
     this.world = world;
     this.disturbance = disturbance;
-    /** Standard deviation of a coordinate, px, as measured at rest. */
-    this.noisePx = this.#noiseAt(rest);
+    this.noisePx = this.#noiseAt(rest); // standard deviation of a coordinate, px, as measured at rest
     this.last = /** @type {{key: string, look: Look} | null} */ (null);
   }
 

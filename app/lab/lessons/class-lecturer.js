@@ -154,9 +154,7 @@ export class Lecturer {
     this.order("gather", {lesson, step, seed});
   }
 
-  get isPresenting() {
-    return document.documentElement.classList.contains("presenting");
-  }
+  get isPresenting() { return document.documentElement.classList.contains("presenting"); }
 
   #present() {
     document.documentElement.classList.toggle("presenting");

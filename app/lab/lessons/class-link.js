@@ -25,9 +25,7 @@ class Memory {
   }
 
   /** @param {string} key */
-  get(key) {
-    return this.storage ? this.storage.getItem(PREFIX + key) : this.own.get(key) ?? null;
-  }
+  get(key) { return this.storage ? this.storage.getItem(PREFIX + key) : this.own.get(key) ?? null; }
 
   /** @param {string} key @param {string | null} value null forgets it */
   set(key, value) {
@@ -66,9 +64,7 @@ export class Link {
     document.addEventListener("visibilitychange", () => { if (!document.hidden) this.#connect(); });
   }
 
-  open() {
-    this.#connect();
-  }
+  open() { this.#connect(); }
 
   #connect() {
     if (this.socket && this.socket.readyState <= WebSocket.OPEN) return;
@@ -142,9 +138,7 @@ export class Link {
   }
 
   /** @param {number} seq */
-  #drop(seq) {
-    this.#keep(this.waiting().filter(one => one.seq !== seq));
-  }
+  #drop(seq) { this.#keep(this.waiting().filter(one => one.seq !== seq)); }
 
   /** @param {Answer[]} answers */
   #keep(answers) {

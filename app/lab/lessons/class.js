@@ -175,9 +175,7 @@ class Classroom {
   }
 
   /** What this page shows, for another page to show. */
-  screen() {
-    return this.lesson.state();
-  }
+  screen() { return this.lesson.state(); }
 
   // What this page hears
 

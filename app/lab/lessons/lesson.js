@@ -58,11 +58,9 @@ function begin(data) {
   /** @type {Place} */
   let place = {kind: "home"};
   let stages = /** @type {Map<string, Stage>} */ (new Map());
-  /** @type {Map<string, number>} that the address or a button has asked for */
-  let seeds = new Map();
+  let seeds = /** @type {Map<string, number>} */ (new Map()); // that the address or a button has asked for
   let screen = /** @type {Screen | null} */ (null);
-  /** @type {Stage | null} of the step on display */
-  let stage = null;
+  let stage = /** @type {Stage | null} */ (null); // of the step on display
   let others = /** @type {Others} */ (null);
   /** @type {{lesson: Lesson, place: Place, seeds: Map<string, number>} | null} the place before the lesson was
    * suspended */

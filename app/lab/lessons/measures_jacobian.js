@@ -13,8 +13,7 @@ export const GAIN_STEPS = 40;
 export const TURNED_STEPS = 40;
 const SWINGS = 10; // last steps of a gain that never arrives
 
-/** @type {WeakMap<Stage, Map<string, any>>} results by stage */
-const computed = new WeakMap();
+const computed = /** @type {WeakMap<Stage, Map<string, any>>} */ (new WeakMap()); // results by stage
 
 /** @template T @param {Stage} stage @param {string} key @param {() => T} compute @returns {T} */
 function once(stage, key, compute) {

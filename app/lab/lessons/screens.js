@@ -9,9 +9,7 @@ export class StillScreen {
   draw() { /* nothing changes */ }
 
   /** @param {KeyboardEvent} _event */
-  key(_event) {
-    return false;
-  }
+  key(_event) { return false; }
 
   /** @returns {Button} */
   primary() {
@@ -19,9 +17,7 @@ export class StillScreen {
   }
 
   /** @returns {Button | null} */
-  skip() {
-    return null;
-  }
+  skip() { return null; }
 
   remove() { /* nothing is held */ }
 }
@@ -50,14 +46,10 @@ export class QuestionScreen extends StillScreen {
     body.replaceChildren(make("p", {class: "lead"}, lead), this.question.element);
   }
 
-  draw() {
-    this.question.update();
-  }
+  draw() { this.question.update(); }
 
   /** @param {KeyboardEvent} event */
-  key(event) {
-    return this.question.key(event.key);
-  }
+  key(event) { return this.question.key(event.key); }
 
   /** @returns {Button} */
   primary() {

@@ -18,55 +18,30 @@
  * @typedef {{name: string, label: string, low: number, high: number, start: number, step?: number, unit?: string |
  * null, logarithmic?: boolean}} Slider name: what it moves, see `Stage.slide`; unit: null for no number at all
  * @typedef {{text: string, because: string, right?: boolean, belief?: string | null}} Choice
- * @typedef {Object} Ask fields beside `kind` and `question` as its kind has them
- * @property {"choice" | "place" | "pose" | "number" | "do" | "predict" | "bet"} kind
- * @property {string} question
- * @property {Choice[]} [answers] choice
- * @property {string | null} [right] choice: the measure whose number says which answer is right, from 1
- * @property {string | null} [figure] place, predict
- * @property {string | null} [truth] place, pose, number, bet: a measure
- * @property {number} [near] place: px, on maps degrees; pose: degrees
- * @property {string | null} [line] place: a measure below which the mark is on the right way though far
- * @property {string} [close] reply
- * @property {string} [far] reply
- * @property {string | null} [on_line] reply
- * @property {string | null} [less] number: the reply to too little
- * @property {string} [unit] number
- * @property {number} [low] number
- * @property {number} [high] number
- * @property {number | null} [step] number
- * @property {boolean} [logarithmic] number
- * @property {number | null} [factor] number: within which a guess is close
- * @property {number | null} [within] number: by how much a guess may differ
- * @property {string | null} [measure] do, predict: what has to be reached
- * @property {number | null} [below]
- * @property {number | null} [above]
- * @property {boolean} [counted] do: each release of a slider is one motion
- * @property {number | null} [times] predict: rounds at most; bet: runs, one after the other
- * @property {{truth: string, near: number, because: string, belief?: string}[]} [elsewhere] place: other places,
- *   with a reply
- * @typedef {Object} Step
- * @property {string} id
- * @property {string} title
- * @property {string} text
- * @property {string} say
- * @property {string} [after]
- * @property {Ask} ask
- * @property {{measure: string, label: string, note?: string} | null} [headline]
- * @property {number | null} [chosen]
- * @property {FigureUse[]} [main]
- * @property {FigureUse[]} [side]
- * @property {Slider[]} [sliders]
- * @property {string[]} [race]
- * @property {number | null} [play] seconds that the animation of the reveal takes
- * @property {boolean} [meets] the reveal brings the learner to the demonstrator's posture
- * @property {string | null} [carry] the id of the step whose start and path go on here
- * @property {boolean} [randomise]
- * @property {State} state
- * @property {Record<string, Measured>} [facts] that the library has computed
- * @property {Record<string, any>} [records]
- * @property {Record<string, Variants>} [variants]
- * @property {Sample[] | null} [samples]
+ * @typedef {{kind: "choice" | "place" | "pose" | "number" | "do" | "predict" | "bet", question: string, close?: string,
+ * far?: string}} AskOfAll close, far: replies
+ * @typedef {{answers?: Choice[], right?: string | null}} AskChoice right: the measure whose number says which answer is
+ * right, from 1
+ * @typedef {{figure?: string | null, truth?: string | null, near?: number, line?: string | null, on_line?: string | null,
+ * elsewhere?: {truth: string, near: number, because: string, belief?: string}[]}} AskPlace of a pose, too, and truth of
+ * a number and of a bet; truth: a measure; near: px, degrees on maps and of poses; line: a measure below which the mark
+ * is on the right way though far, with the reply on_line; elsewhere: other places, with a reply
+ * @typedef {{unit?: string, low?: number, high?: number, step?: number | null, logarithmic?: boolean, less?: string | null,
+ * factor?: number | null, within?: number | null}} AskNumber less: the reply to too little; factor, within: by how much a
+ * guess may differ to be close
+ * @typedef {{measure?: string | null, below?: number | null, above?: number | null, counted?: boolean,
+ * times?: number | null}} AskGoal to do, or to predict; measure: what has to be reached; counted: each release of a
+ * slider is one motion; times: rounds of predictions at most, or runs that are bet on
+ * @typedef {AskOfAll & AskChoice & AskPlace & AskNumber & AskGoal} Ask
+ * @typedef {{id: string, title: string, text: string, say: string, after?: string, ask: Ask, chosen?: number | null,
+ * headline?: {measure: string, label: string, note?: string} | null}} StepWords
+ * @typedef {{main?: FigureUse[], side?: FigureUse[], sliders?: Slider[], race?: string[], play?: number | null,
+ * meets?: boolean, carry?: string | null, randomise?: boolean}} StepPlay play: seconds that the animation of the reveal
+ * takes; meets: the reveal brings the learner to the demonstrator's posture; carry: the id of the step whose start and
+ * path go on here
+ * @typedef {{state: State, facts?: Record<string, Measured>, records?: Record<string, any>,
+ * variants?: Record<string, Variants>, samples?: Sample[] | null}} StepData facts: that the library has computed
+ * @typedef {StepWords & StepPlay & StepData} Step
  * @typedef {{id: string, text: string, answers: {text: string, because: string, right?: boolean, belief?: string |
  * null}[], step?: string | null}} Question one of the eight; step: "lesson/step" that shows it
  * @typedef {{name: string, title: string, short: string, about: string, minutes: number, questions?: Question[] |
@@ -136,28 +111,20 @@ export class Stage {
     this.records = {...step.records, ...this.sample?.records};
     /** @type {Record<string, Variants>} */
     this.variants = {...step.variants, ...this.sample?.variants};
-    /** rad of both joints for each knob's full turn */
-    this.knobs = randomKnobs(this.seed);
+    this.knobs = randomKnobs(this.seed); // rad of both joints for each knob's full turn
     this.chosen = step.chosen ?? 0;
-    /** 0 before the answer, 1 after it; between, while the reveal is played. */
-    this.reveal = 0;
+    this.reveal = 0; // 0 before the answer, 1 after it; between, while the reveal is played
     this.answer = /** @type {Answer} */ ({});
-    /** @type {Mark | null} in the asking figure's unit */
-    this.mark = null;
+    this.mark = /** @type {Mark | null} */ (null); // in the asking figure's unit
     /** @type {Record<string, Measured> | null} measures that judge the answer, as they were when the truth was shown */
     this.graded = null;
     /** @type {"px" | "rad"} the asking figure's */
     this.unit = "px";
-    /** Whether what the learner cannot know is left out. */
-    this.truthHidden = false;
-    /** @type {Mark[]} of a class, in the asking figure's unit */
-    this.others = [];
-    /** @type {Round[]} predictions and what came of them */
-    this.rounds = [];
-    /** Which run of a bet is shown, from 0. */
-    this.run = 0;
-    /** @type {(number | null)[]} bets on the runs, % */
-    this.bets = [];
+    this.truthHidden = false; // whether what the learner cannot know is left out
+    this.others = /** @type {Mark[]} */ ([]); // of a class, in the asking figure's unit
+    this.rounds = /** @type {Round[]} */ ([]); // predictions and what came of them
+    this.run = 0; // which run of a bet is shown, from 0
+    this.bets = /** @type {(number | null)[]} */ ([]); // bets on the runs, %
     /** Called when something has changed that is drawn. */
     this.changed = () => {};
     this.raced = /** @type {Record<string, Race>} */ ({});
@@ -170,8 +137,7 @@ export class Stage {
     this.moment = this.session.now;
     /** @type {Motion[]} made by hand, the start first, and perhaps one that was shown */
     this.motions = [{theta: this.moment.theta, E: this.moment.E, probe: false}];
-    /** The earlier step's motions, with which this one goes on. */
-    this.carried = previous?.motions;
+    this.carried = previous?.motions; // the earlier step's motions, with which this one goes on
     if (previous) this.#goOn(previous);
     /** @type {Map<string, number>} where the sliders stand, in their own units */
     this.sliders = new Map((step.sliders ?? []).map(slider => [slider.name, this.#standing(slider)]));
@@ -180,13 +146,9 @@ export class Stage {
   }
 
   /** How many runs are bet on. */
-  get runs() {
-    return Math.min(this.step.ask.times ?? 1, this.records.runs?.length ?? 1);
-  }
+  get runs() { return Math.min(this.step.ask.times ?? 1, this.records.runs?.length ?? 1); }
 
-  get hulls() {
-    return this.page.hulls;
-  }
+  get hulls() { return this.page.hulls; }
 
   /** The races of the step, by servo. @returns {Record<string, Race>} */
   get races() {
@@ -203,9 +165,7 @@ export class Stage {
   }
 
   /** Whether the answer has been given, and the truth may be drawn. */
-  get isRevealed() {
-    return this.reveal > 0;
-  }
+  get isRevealed() { return this.reveal > 0; }
 
   /** See the arm in a posture: nothing is counted. @param {number[]} theta */
   observe(theta) {
@@ -230,9 +190,7 @@ export class Stage {
   }
 
   /** Whether the arm has come here without a hand. */
-  get isShown() {
-    return Boolean(this.motions[this.motions.length - 1].shown);
-  }
+  get isShown() { return Boolean(this.motions[this.motions.length - 1].shown); }
 
   /** Show the arm in a posture as the end of its way, which does not count. @param {number[]} theta */
   showAt(theta) {
@@ -256,19 +214,13 @@ export class Stage {
   }
 
   /** What would be seen in the demonstrator's posture. */
-  ghost() {
-    return this.session.observe(this.moment.thetaDemo);
-  }
+  ghost() { return this.session.observe(this.moment.thetaDemo); }
 
   /** The demonstrator's points in L and R as the lines put them: (4 N) px. @param {Moment} [moment] */
-  recovered(moment = this.moment) {
-    return recovered(moment);
-  }
+  recovered(moment = this.moment) { return recovered(moment); }
 
   /** The epipolar geometry; null with too few points. @param {Moment} [moment] */
-  geometry(moment = this.moment) {
-    return geometry(moment);
-  }
+  geometry(moment = this.moment) { return geometry(moment); }
 
   /** The epipolar line of the chosen point of l (0) or r (1) in L (0) or R (1); null if there is none.
    * @param {number} eye @param {number} [side] @param {Moment} [moment] */
@@ -281,9 +233,7 @@ export class Stage {
   }
 
   /** E over both joints, for the demonstrator as it is seen. @param {number} [stepDeg] */
-  landscape(stepDeg = 1) {
-    return stageMap(this, stepDeg).landscape;
-  }
+  landscape(stepDeg = 1) { return stageMap(this, stepDeg).landscape; }
 
   /** A servo's run from the step's start: recorded, or else computed here.
    * @param {string} servo @returns {Race | null} */
@@ -311,9 +261,7 @@ export class Stage {
   }
 
   /** How many motions of a race are shown. @param {number} all */
-  played(all) {
-    return Math.round(this.reveal * (all - 1));
-  }
+  played(all) { return Math.round(this.reveal * (all - 1)); }
 
   /** Turn a slider, by its name: `own 1`, `demo 2`, `guess 1` are joints in degrees, `knob 1` turns both joints by the
    * random matrix, `pose apart` goes from the demonstrator's posture (0) to the start (1). Names of `variants` move the

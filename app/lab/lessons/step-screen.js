@@ -42,8 +42,7 @@ export class StepScreen {
     this.stage = stage;
     this.course = course;
     this.isAsked = this.isSolving = false;
-    /** @type {(() => void) | null} stops the animation */
-    this.stop = null;
+    this.stop = /** @type {(() => void) | null} */ (null); // stops the animation
     stage.changed = course.redraw;
     this.card = new Card(body, stage, {
       answered: () => this.answered(), startAgain: () => course.restart(stage.seed), isLocked: course.isLocked,
@@ -86,14 +85,11 @@ export class StepScreen {
     this.body = body;
     this.figures = figures;
     this.said = "";
-    /** @type {boolean | null} whether it was revealed when what scrolls was looked for */
-    this.reached = null;
+    this.reached = /** @type {boolean | null} */ (null); // whether it was revealed when what scrolls was looked for
   }
 
   /** Whether answers are taken. */
-  get isOpen() {
-    return !this.stage.isRevealed && !this.course.isLocked() && !this.stop;
-  }
+  get isOpen() { return !this.stage.isRevealed && !this.course.isLocked() && !this.stop; }
 
   draw() {
     const {stage, mounted} = this, drawn = new Set();

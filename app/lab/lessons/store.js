@@ -20,10 +20,8 @@ const PREFIX = "viewimit-lesson-", PERSONS = 2 ** 31;
 export class Store {
   constructor() {
     this.lessons = /** @type {Record<string, Kept>} */ ({});
-    /** Whether the browser keeps what it is given. */
-    this.keeps = true;
-    /** What the store kept before it was suspended. @type {Record<string, Kept> | null} */
-    this.suspended = null;
+    this.keeps = true; // whether the browser keeps what it is given
+    this.suspended = /** @type {Record<string, Kept> | null} */ (null); // what the store kept before it was suspended
     try {
       localStorage.setItem(`${PREFIX}test`, "1");
       localStorage.removeItem(`${PREFIX}test`);
@@ -49,9 +47,7 @@ export class Store {
   }
 
   /** Go on with a copy that is not kept. */
-  suspend() {
-    this.suspended ??= structuredClone(this.lessons);
-  }
+  suspend() { this.suspended ??= structuredClone(this.lessons); }
 
   /** Go on with the suspended answers. */
   putBack() {

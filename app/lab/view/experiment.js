@@ -10,8 +10,7 @@ export class Experiment {
   /** @param {Offered} offered @param {string} address */
   constructor(offered, address) {
     this.offered = offered;
-    /** What the address says wrongly. @type {string[]} */
-    this.misread = [];
+    this.misread = /** @type {string[]} */ ([]); // what the address says wrongly
     this.state = this.#read(address);
     this.scene = offered.scenes[this.preset.scene];
     this.world = new World(this.scene, this.state.points);
@@ -19,14 +18,11 @@ export class Experiment {
     this.chosen = 0;
     /** How the demonstrator has moved since the first step, by the motions before. @type {{at: number, demonstrator: number[]}[]} */
     this.moves = [];
-    /** The demonstrator's pose before these. */
-    this.beganAt = this.now.thetaDemo;
+    this.beganAt = this.now.thetaDemo; // the demonstrator's pose before these
     this.enter(this.state);
   }
 
-  get now() {
-    return this.session.now;
-  }
+  get now() { return this.session.now; }
 
   get preset() {
     const {presets} = this.offered;
@@ -34,9 +30,7 @@ export class Experiment {
   }
 
   /** Postures at which the preset begins, and its other fields. */
-  get usual() {
-    return beginning(this.preset, this.scene);
-  }
+  get usual() { return beginning(this.preset, this.scene); }
 
   /** @param {State} state */
   enter(state) {
@@ -55,9 +49,7 @@ export class Experiment {
   }
 
   /** A point that stays chosen. @param {number} point */
-  choose(point) {
-    this.state.point = this.chosen = point;
-  }
+  choose(point) { this.state.point = this.chosen = point; }
 
   /** One motion back. */
   undo() {
@@ -110,9 +102,7 @@ export class Experiment {
   }
 
   /** The motion at which the demonstrator moved last. */
-  get posedAt() {
-    return this.moves[this.moves.length - 1]?.at ?? 0;
-  }
+  get posedAt() { return this.moves[this.moves.length - 1]?.at ?? 0; }
 
   /** The poses as they are, for a new beginning. @returns {State} */
   current() {
@@ -128,9 +118,7 @@ export class Experiment {
     return {...this.state, demonstrator, start, steps: moves[0]?.at ?? motion, later};
   }
 
-  address() {
-    return toAddress(this.story(), this.preset, this.scene);
-  }
+  address() { return toAddress(this.story(), this.preset, this.scene); }
 
   /** The address at which the page of viewimit opens in this state. */
   pageLink() {
@@ -139,9 +127,7 @@ export class Experiment {
   }
 
   /** @param {string} hash */
-  #read(hash) {
-    return fromAddress(hash, this.offered.presets, this.offered.scenes, this.misread);
-  }
+  #read(hash) { return fromAddress(hash, this.offered.presets, this.offered.scenes, this.misread); }
 
   #settings() {
     const {transfer, servo, demonstrator, start, noisePx, missing, seed} = this.state;

@@ -15,10 +15,10 @@
  * @property {Construction | null} [construction]
  * @property {number} ease share of their way that the windows go to fit the drawing: 1 for the whole way at once */
 import {projectPoint, transform} from "../engine/engine.js";
-import {add, drawingSize, drawingUnit, px, set} from "./svg.js";
+import {add, arrowPaths, circles, diamonds, dots, drawingSize, drawingUnit, polyline, px, set} from "./svg.js";
 
 const VIEWS = /** @type {const} */ (["l", "r", "L", "R"]);
-const MARGIN_PX = 13, MAX_SCALE = 4, NEAREST_M = 0.05, MAX_BEYOND = 0.3, TOUCH_PX = 18, MAX_HALF_AXIS = 400;
+const MARGIN_PX = 13, MAX_SCALE = 4, NEAREST_M = 0.05, MAX_BEYOND = 0.3, TOUCH_PX = 18, MAX_HALF_AXIS = 400, TIP_PX = 5;
 const COMPASS = Array.from({length: 16}, (_, k) => [Math.cos(k * Math.PI / 8), Math.sin(k * Math.PI / 8)]);
 const LAYERS = ["vi-goal", "vi-goal-bone", "vi-hull", "vi-bone", "vi-line", "vi-line vi-from-right", "vi-line vi-partner",
   "vi-spread", "vi-steps", "vi-stop", "vi-goal-dot", "vi-bone vi-found", "vi-e", "vi-tip", "vi-own",
@@ -87,12 +87,9 @@ export class Images {
       const window = {x: 0, y: 0, scale: 0};
       return {view, k, svg, box: boxes[view], plane, frame, layers, window, width: 1, height: 1};
     });
-    /** px of a drawing's unit */
-    this.unit = 1;
-    /** Whether the windows have to fit at once. */
-    this.fresh = true;
-    /** What the windows of L and R hold instead of what they show. @type {Outline[][] | null} */
-    this.held = null;
+    this.unit = 1; // px of a drawing's unit
+    this.fresh = true; // whether the windows have to fit at once
+    this.held = /** @type {Outline[][] | null} */ (null); // what the windows of L and R hold instead of what they show
   }
 
   /** Let the windows of L and R hold these postures of the learner, and stay. @param {World} world @param {number[][]} postures rad */
@@ -204,55 +201,33 @@ export class Images {
   #drawView(view, camera, {moment, recovered, lines, chosen, construction}, outline, ghost, goalImages, bones) {
     const {x, y, scale} = view.window, side = view.k & 1, isDemo = view.k < 2, {views} = moment;
     const images = isDemo ? views.demo : views.own, seen = isDemo ? views.demoSeen : views.ownSeen;
-    const X = (/** @type {number} */ a) => px((a - x) * scale), Y = (/** @type {number} */ b) => px((b - y) * scale);
-    const polyline = (/** @type {number[][]} */ points) => `M${points.map(p => `${X(p[0])} ${Y(p[1])}`).join("L")}`;
-    const closed = (/** @type {number[][][]} */ hulls) => hulls.map(points => `${polyline(points)}z`).join("");
-    /** @param {Float64Array} of @param {(a: number, b: number, i: number) => string} mark */
-    const each = (of, mark) => {
-      let d = "";
-      for (let i = 0; i < of.length / 4; i++) {
-        const a = of[4 * i + 2 * side], b = of[4 * i + 2 * side + 1];
-        if (Number.isFinite(a)) d += mark((a - x) * scale, (b - y) * scale, i);
-      }
-      return d;
-    };
-    const dot = (/** @type {number} */ a, /** @type {number} */ b) => `M${px(a)} ${px(b)}h0`;
-    const diamond = (/** @type {number} */ r) => (/** @type {number} */ a, /** @type {number} */ b) => `M${px(a - r)} ${px(b)}l${r} ${-r} ${r} ${r} ${-r} ${r}z`;
-    const times = (/** @type {number} */ a, /** @type {number} */ b) => `M${px(a - 3)} ${px(b - 3)}l6 6m0-6l-6 6`;
-    const used = new Set(moment.usable);
-    /** @param {(a: number, b: number) => string} mark @param {boolean} isUsed
-     * @returns {(a: number, b: number, i: number) => string} */
-    const shown = (mark, isUsed) => (a, b, i) => seen[2 * i + side] && used.has(i) === isUsed ? mark(a, b) : "";
+    const at = (/** @type {ArrayLike<number>} */ p) => [(p[0] - x) * scale, (p[1] - y) * scale];
+    const closed = (/** @type {number[][][]} */ hulls) => hulls.map(points => `${polyline(points.map(at))}z`).join("");
+    const used = new Set(moment.usable), all = Array.from({length: images.length / 4}, (_, i) => i);
+    const of = (/** @type {Float64Array} */ images, points = all) =>
+      points.map(i => at(images.subarray(4 * i + 2 * side, 4 * i + 2 * side + 2))).filter(p => Number.isFinite(p[0]));
+    const shown = all.filter(i => seen[2 * i + side]), [usable, unused] = [true, false].map(is => of(images, shown.filter(i => used.has(i) === is)));
+    const crossed = unused.map(([a, b]) => `M${px(a - 3)} ${px(b - 3)}l6 6m0-6l-6 6`).join("");
     /** @type {Record<string, string>} */
-    const d = {"vi-hull": closed(outline.hulls), "vi-bone": polyline(outline.bones)};
+    const d = {"vi-hull": closed(outline.hulls), "vi-bone": polyline(outline.bones.map(at))};
     if (isDemo) {
-      d["vi-seen"] = each(images, shown(diamond(3.6), true));
-      d["vi-seen vi-unused"] = each(images, shown(times, false));
+      d["vi-seen"] = diamonds(usable, 3.6);
+      d["vi-seen vi-unused"] = crossed;
     } else {
-      if (ghost) {
-        d["vi-goal"] = closed(ghost.hulls);
-        d["vi-goal-bone"] = polyline(ghost.bones);
-      }
-      if (goalImages) d["vi-goal-dot"] = each(goalImages, dot);
-      d["vi-own"] = each(images, shown(dot, true));
-      d["vi-own vi-unused"] = each(images, shown(times, false));
-      d["vi-found"] = each(recovered, diamond(3.9));
-      if (bones) d["vi-bone vi-found"] = polyline(bones);
-      let tips = "";
-      d["vi-e"] = each(recovered, (a, b, i) => {
-        const c = (images[4 * i + 2 * side] - x) * scale, e = (images[4 * i + 2 * side + 1] - y) * scale, length = Math.hypot(c - a, e - b);
-        if (length > 6) {
-          const u = (c - a) / length * 5, v = (e - b) / length * 5;
-          tips += `M${px(c)} ${px(e)}L${px(c - u - v / 2)} ${px(e - v + u / 2)}L${px(c - u + v / 2)} ${px(e - v - u / 2)}z`;
-        }
-        return `M${px(a)} ${px(b)}L${px(c)} ${px(e)}`;
-      });
-      d["vi-tip"] = tips;
+      const found = all.filter(i => Number.isFinite(recovered[4 * i + 2 * side]));
+      if (ghost) [d["vi-goal"], d["vi-goal-bone"]] = [closed(ghost.hulls), polyline(ghost.bones.map(at))];
+      if (goalImages) d["vi-goal-dot"] = dots(of(goalImages));
+      d["vi-own"] = dots(usable);
+      d["vi-own vi-unused"] = crossed;
+      d["vi-found"] = diamonds(of(recovered, found), 3.9);
+      if (bones) d["vi-bone vi-found"] = polyline(bones.map(at));
+      const own = of(images, found);
+      [d["vi-e"], d["vi-tip"]] = arrowPaths(of(recovered, found).map((p, k) => [p, own[k]]), TIP_PX);
     }
     const stops = construction?.steps?.[view.k];
     if (stops) {
-      d["vi-steps"] = polyline(stops);
-      d["vi-stop"] = stops.slice(0, -1).map(([a, b]) => dot((a - x) * scale, (b - y) * scale)).join("");
+      d["vi-steps"] = polyline(stops.map(at));
+      d["vi-stop"] = dots(stops.slice(0, -1).map(at));
     }
     const spread = isDemo ? null : construction?.ellipses[side];
     if (spread) {
@@ -262,17 +237,17 @@ export class Images {
       const [mx, my] = [(spread.x - x) * scale, (spread.y - y) * scale];
       d["vi-spread"] = `M${px(mx - u)} ${px(my - v)}${arc}${px(2 * u)} ${px(2 * v)}${arc}${px(-2 * u)} ${px(-2 * v)}z`;
     }
-    const at = [images[4 * chosen + 2 * side], images[4 * chosen + 2 * side + 1]], r = isDemo ? 8 : 10;
-    if (seen[2 * chosen + side]) d["vi-ring"] = `M${px((at[0] - x) * scale - r)} ${Y(at[1])}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0`;
+    const ringed = [images[4 * chosen + 2 * side], images[4 * chosen + 2 * side + 1]];
+    if (seen[2 * chosen + side]) d["vi-ring"] = circles([at(ringed)], isDemo ? 8 : 10);
     for (const {into, from, a, b, c} of lines) if (into === view.k) {
       const kind = from >> 1 === into >> 1 ? "vi-line vi-partner" : from & 1 ? "vi-line vi-from-right" : "vi-line";
       const middle = [x + view.width / scale / 2, y + view.height / scale / 2], off = a * middle[0] + b * middle[1] + c;
       const [fx, fy, half] = [middle[0] - a * off, middle[1] - b * off, 1000];
-      d[kind] = `${d[kind] ?? ""}M${X(fx - b * half)} ${Y(fy + a * half)}L${X(fx + b * half)} ${Y(fy - a * half)}`;
+      d[kind] = (d[kind] ?? "") + polyline([at([fx - b * half, fy + a * half]), at([fx + b * half, fy - a * half])]);
     }
     view.layers.forEach((layer, k) => set(layer, {d: d[LAYERS[k]] ?? ""}));
     set(view.frame, {x: px(-x * scale), y: px(-y * scale), width: px(camera.width * scale), height: px(camera.height * scale)});
-    const e = [recovered[4 * chosen + 2 * side] - at[0], recovered[4 * chosen + 2 * side + 1] - at[1]], length = Math.hypot(e[0], e[1]);
+    const e = [recovered[4 * chosen + 2 * side] - ringed[0], recovered[4 * chosen + 2 * side + 1] - ringed[1]], length = Math.hypot(e[0], e[1]);
     set(view.svg, {"aria-label": isDemo ? `Image ${view.view}: the demonstrator seen by the ${side ? "right" : "left"} eye`
       : `Image ${view.view}: the learner's own arm; residual of point ${chosen}: ${Number.isFinite(length) ? length.toFixed(1) : "no"} px`});
   }

@@ -24,8 +24,7 @@ export class Lab {
     this.experiment = new Experiment(offered, address);
     this.player = new Player(this.experiment, () => this.draw(), () => this.#remember());
     this.landscapes = new Landscapes(view.map, this.experiment, () => this.redraw());
-    /** Whether it is on display, and not a replay. */
-    this.isOpen = true;
+    this.isOpen = true; // whether it is on display, and not a replay
     this.isServed = /\/lab$/.test(location.pathname) && location.protocol !== "file:";
     const lesson = this.isServed ? lessonBehind(location.hash) : null;
     /** The link to the page that has all methods, which opens there in this state. @type {HTMLAnchorElement | null} */
@@ -68,9 +67,7 @@ export class Lab {
   }
 
   /** Be on display again. */
-  open() {
-    this.isOpen = true;
-  }
+  open() { this.isOpen = true; }
 
   /** Leave the display to a replay. */
   close() {
@@ -80,9 +77,7 @@ export class Lab {
   }
 
   /** The same experiment with other fields, from the start. @param {Partial<State>} changes */
-  restart(changes) {
-    this.#entered(() => this.experiment.restart(changes), true);
-  }
+  restart(changes) { this.#entered(() => this.experiment.restart(changes), true); }
 
   /** @param {number[]} theta of the demonstrator */
   pose(theta) {
@@ -116,13 +111,9 @@ export class Lab {
     this.#remember();
   }
 
-  play() {
-    if (!$("play").disabled) this.player.play(!this.player.isPlaying);
-  }
+  play() { if (!$("play").disabled) this.player.play(!this.player.isPlaying); }
 
-  step() {
-    if (!$("step").disabled) this.player.step();
-  }
+  step() { if (!$("step").disabled) this.player.step(); }
 
   undo() {
     this.player.undo();
@@ -138,9 +129,7 @@ export class Lab {
   }
 
   /** Something is dragged, or released. @param {boolean} held */
-  hold(held) {
-    this.player.isHeld = held;
-  }
+  hold(held) { this.player.isHeld = held; }
 
   /** Enter an experiment, and show it from its beginning.
    * @param {() => void} enter @param {boolean} isNew whether the address has to follow */
@@ -157,9 +146,7 @@ export class Lab {
 
   // Drawing
 
-  redraw() {
-    if (this.isOpen) this.player.redraw();
-  }
+  redraw() { if (this.isOpen) this.player.redraw(); }
 
   /** A size or the colours have changed. */
   resized() {

@@ -12,11 +12,9 @@ export class Landscapes {
     this.map = map;
     this.experiment = experiment;
     this.changed = changed;
-    /** By their steps, in degrees. @type {Map<number, Landscape>} */
-    this.known = new Map();
+    this.known = /** @type {Map<number, Landscape>} */ (new Map()); // by their steps, in degrees
     this.shown = /** @type {Landscape | null} */ (null);
-    /** Where E is lowest, refined between the grid's postures. @type {number[] | null} */
-    this.minimum = null;
+    this.minimum = /** @type {number[] | null} */ (null); // where E is lowest, refined between the grid's postures
     /** What the fine one on display was computed for. @type {{transfer: string, demo: Look} | null} */
     this.of = null;
     this.job = 0;
@@ -37,9 +35,7 @@ export class Landscapes {
   }
 
   /** Draw it again, as its size or its colours have changed. */
-  redraw() {
-    if (this.shown) this.#show(this.shown);
-  }
+  redraw() { if (this.shown) this.#show(this.shown); }
 
   /** The fine one in one go. */
   fine() {

@@ -1,6 +1,6 @@
 /** The landscape of E: shading and contours on a canvas, marks over it as SVG. */
 import {clamp, DEGREE} from "../engine/engine.js";
-import {add, drawingUnit, escaped, px, set} from "./svg.js";
+import {add, diamonds, drawingUnit, escaped, px, set} from "./svg.js";
 
 /** @typedef {Pick<import("../engine/landscape.js").Landscape, "axes" | "count" | "E" | "minimum" | "posture">} Ground
  */
@@ -49,16 +49,13 @@ export class EnergyMap {
     this.way = add(this.over, "g");
     this.levels = add(this.over, "g");
     this.moving = add(this.over, "g");
-    /** What each of them shows. @type {Map<SVGGElement, string>} */
-    this.written = new Map();
-    /** Places of the contours' numbers. @type {number[][]} */
-    this.numbers = [];
+    this.written = /** @type {Map<SVGGElement, string>} */ (new Map()); // what each of them shows
+    this.numbers = /** @type {number[][]} */ ([]); // places of the contours' numbers
     this.z = new Float64Array(0);
     /** The drawing below the marks: its grid, and the contours' levels, ln px².
      * @type {{rows: number, columns: number, levels: number[]}} */
     this.drawn = {rows: 0, columns: 0, levels: []};
-    /** px of a drawing's unit */
-    this.unit = 1;
+    this.unit = 1; // px of a drawing's unit
     this.width = 1;
     this.height = 1;
   }
@@ -82,9 +79,7 @@ export class EnergyMap {
   }
 
   /** The plot's left, top, right and bottom, px. @returns {[number, number, number, number]} */
-  get plot() {
-    return [PAD.left, PAD.top, this.width - PAD.right, this.height - PAD.bottom];
-  }
+  get plot() { return [PAD.left, PAD.top, this.width - PAD.right, this.height - PAD.bottom]; }
 
   /** The place under a pointer, in the drawing's units. @param {Pointer} pointer @param {DOMRect} [box] if it is known */
   under({clientX, clientY}, {left, top} = this.box.getBoundingClientRect()) {
@@ -194,7 +189,7 @@ export class EnergyMap {
   #axes() {
     const {width, height, range: {lower, upper, joints}} = this, left = PAD.left, bottom = height - PAD.bottom;
     const room = [bottom - PAD.top, width - left - PAD.right];
-    const ticks = (/** @type {number} */ k) => nice(lower[k] / DEGREE, upper[k] / DEGREE, room[k] / TICK_PX).map(degrees => {
+    const ticks = (/** @type {number} */ k) => nice(lower[k], upper[k], Math.min(5, room[k] / TICK_PX)).map(degrees => {
       const [a, b] = this.place(k ? [lower[0], degrees * DEGREE] : [degrees * DEGREE, lower[1]]), text = `${String(degrees).replace("-", "−")}°`;
       const [kind, x] = a > width - 20 ? ["vi-end", width] : ["vi-mid", a]; // the last number stays within the drawing
       return k ? `<path class="vi-axis" d="M${px(a)} ${bottom}v4"/><text class="vi-2nd ${kind}" x="${px(x)}" y="${bottom + 17}">${text}</text>`
@@ -263,15 +258,17 @@ export class EnergyMap {
     const dot = isNear ? circle("vi-line-own vi-case", RING_PX) + circle("vi-line-own", RING_PX) : circle("vi-now", 7.5);
     const drawn = `<path class="vi-line-own vi-case" d="${way}"/><path class="vi-line-own" d="${way}"/>`;
     this.#write(this.way, `${still}${before}${drawn}${visited}`);
-    const html = `${goal ? `<path class="vi-seen" d="M${px(goal[0] - 6.5)} ${px(goal[1])}l6.5-6.5 6.5 6.5-6.5 6.5z"/>` : ""}${cross ? `<path class="vi-cross" d="M${px(cross[0] - 7)} ${px(cross[1])}h14m-7-7v14"/>` : ""}${dot}
+    const html = `${goal ? `<path class="vi-seen" d="${diamonds([goal], 6.5)}"/>` : ""}${cross ? `<path class="vi-cross" d="M${px(cross[0] - 7)} ${px(cross[1])}h14m-7-7v14"/>` : ""}${dot}
 ${goal ? name(goal, "vi-of-demo", "demonstrator") : ""}${goal && Math.hypot(x - goal[0], y - goal[1]) < 30 ? "" : name([x, y], "vi-of-own", "learner")}`;
     this.#write(this.moving, html);
   }
 }
 
-/** Round numbers of degrees between two, some five. @param {number} low @param {number} high @param {number} most how many there is room for */
-function nice(low, high, most) {
-  const step = [5, 10, 15, 30, 45, 90, 180].find(each => (high - low) / each <= Math.min(5, most)) ?? 180, found = [];
-  for (let k = Math.ceil((low - 1e-6) / step); k * step <= high + 1e-6; k++) found.push(k * step);
+/** Round numbers of degrees between two angles, some five. @param {number} low rad @param {number} high rad
+ * @param {number} most how many there is room for */
+export function nice(low, high, most) {
+  const [from, to] = [low / DEGREE - 1e-6, high / DEGREE + 1e-6], found = [];
+  const step = [.1, .2, .5, 1, 2, 5, 10, 15, 30, 45, 90].find(each => (to - from) / each <= Math.min(6, most)) ?? 180;
+  for (let k = Math.ceil(from / step); k * step <= to; k++) found.push(Math.round(k * step * 10) / 10);
   return found;
 }

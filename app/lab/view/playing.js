@@ -18,21 +18,16 @@ export class Player {
     this.still = matchMedia("(prefers-reduced-motion: reduce)");
     this.isPlaying = false;
     this.isHeld = false;
-    /** Playing, but the servo has no motion to make. */
-    this.isAsleep = false;
+    this.isAsleep = false; // playing, but the servo has no motion to make
     this.isTicking = false;
     this.isDue = false;
     this.due = 0;
     this.glide = /** @type {{from: number[], began: number, lasts: number} | null} */ (null);
-    /** When the demonstrator begins to nod; 0 once it has. */
-    this.nodsAt = 0;
-    /** At which the servo had no motion to make. @type {Moment | null} */
-    this.restedAt = null;
+    this.nodsAt = 0; // when the demonstrator begins to nod; 0 once it has
+    this.restedAt = /** @type {Moment | null} */ (null); // at which the servo had no motion to make
   }
 
-  get isFollowing() {
-    return this.isPlaying && this.isAsleep;
-  }
+  get isFollowing() { return this.isPlaying && this.isAsleep; }
 
   get isAtRest() {
     const {now} = this.experiment;

@@ -4,26 +4,13 @@ import {EpipolarGeometry, MIN_POINTS, select} from "../engine/engine.js";
 /** @typedef {{axes: number[], turn: number[], angle?: number[], steps?: number[][], lines?: number[][] | null}} Built
  * half axes of two ellipses, their directions in degrees; of a transfer by lines the angles between these, of others
  * the steps to the point in l, r, L, R
- * @typedef {Object} RecordedMoment
- * @property {number} motion
- * @property {number[]} theta
- * @property {number} demo index of the demonstrator's posture and images
- * @property {(number | null)[]} own
- * @property {string} seen 1 for a point seen in L, in R; "" for all
- * @property {(number | null)[]} recovered
- * @property {(number | null)[] | null} bones
- * @property {number | null} E
- * @property {boolean} probe
- * @property {number} method
- * @property {number} map
- * @property {{name: string, value: string, level: string} | null} condition
- * @property {Record<string, Built | null>} constructed by points
- * @property {string} state
- * @property {string} title
- * @property {string} sentence
- * @property {string} doubt
- * @property {string} word of the glossary
- * @property {string} truth
+ * @typedef {{motion: number, theta: number[], demo: number, own: (number | null)[], seen: string,
+ * recovered: (number | null)[], bones: (number | null)[] | null, E: number | null, probe: boolean, method: number,
+ * map: number}} RecordedPass demo, method, map: their indices; seen: 1 for a point seen in L, in R; "" for all
+ * @typedef {{condition: {name: string, value: string, level: string} | null, constructed: Record<string, Built | null>,
+ * state: string, title: string, sentence: string, doubt: string, word: string, truth: string}} RecordedWords
+ * constructed: by points; word: of the glossary
+ * @typedef {RecordedPass & RecordedWords} RecordedMoment
  * @typedef {{transferTitle: string, servoTitle: string, crosses: boolean, rectified: boolean, lab: {transfer:
  * string, servo: string, noisePx: number, missing: number, seed: number, points: number}, lacks: string[]}} Method
  * crosses: whether it crosses epipolar lines; lab: with what the lab goes on; lacks: what the lab has not

@@ -45,9 +45,7 @@ export class Replay {
     new ResizeObserver(() => { this.angles.measure(); this.redraw(); }).observe($("angles"));
   }
 
-  get moment() {
-    return this.recorded.snapshots[this.now];
-  }
+  get moment() { return this.recorded.snapshots[this.now]; }
 
   /** Show it, from a motion on. @param {number} motion */
   open(motion) {

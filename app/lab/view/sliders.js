@@ -18,8 +18,7 @@ export class Sliders {
     this.upper = /** @type {number[]} */ ([]);
     /** @type {{input: HTMLInputElement, output: HTMLElement, label: HTMLElement, gap: SVGPathElement | null}[]} */
     this.rows = [];
-    /** @type {HTMLInputElement | null} that a finger is on */
-    this.busy = null;
+    this.busy = /** @type {HTMLInputElement | null} */ (null); // that a finger is on
   }
 
   /** @param {string[]} joints @param {number[]} lower @param {number[]} upper */

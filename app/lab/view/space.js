@@ -379,8 +379,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
     }
     if (slow && took.length < MEASURED) measure(performance.now() - began);
   };
-  /** @type {number[]} ms of the first frames */
-  const took = [];
+  const took = /** @type {number[]} */ ([]); // ms of the first frames
   /** Wait until a frame is drawn; the first also takes the time to make the programs ready. @param {number} asked ms */
   const measure = asked => {
     const began = performance.now();

@@ -48,3 +48,43 @@ export function drawingSize({clientWidth, clientHeight}) {
 
 /** The share of a way that begins and ends at rest (smoothstep). @param {number} share of the time */
 export const smoothstep = share => share * share * (3 - 2 * share);
+
+/** Data of a path through points; one that is not finite parts it. @param {number[][]} points */
+export function polyline(points) {
+  let d = "", pen = "M";
+  for (const [x, y] of points) {
+    const isThere = Number.isFinite(x) && Number.isFinite(y);
+    if (isThere) d += `${pen}${px(x)} ${px(y)}`;
+    pen = isThere ? "L" : "M";
+  }
+  return d;
+}
+
+/** @param {number[][]} points */
+export const dots = points => points.map(([x, y]) => `M${px(x)} ${px(y)}h0`).join("");
+
+/** @param {number[][]} points @param {number} r half a diagonal */
+export const diamonds = (points, r) =>
+  points.map(([x, y]) => `M${px(x - r)} ${px(y)}l${r}-${r} ${r} ${r}-${r} ${r}z`).join("");
+
+/** @param {number[][]} points @param {number} r */
+export const circles = (points, r) => points.map(([x, y]) =>
+  `M${px(x - r)} ${px(y)}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0`).join("");
+
+/** Upright crosses. @param {number[][]} points @param {number} r */
+export const crosses = (points, r) =>
+  points.map(([x, y]) => `M${px(x - r)} ${px(y)}h${2 * r}m-${r}-${r}v${2 * r}`).join("");
+
+/** Data of the shafts of arrows and of their tips, which short ones lack.
+ * @param {number[][][]} ends @param {number} most length of a tip @returns {[string, string]} */
+export function arrowPaths(ends, most) {
+  let shafts = "", tips = "";
+  for (const [[a, b], [c, d]] of ends) {
+    const length = Math.hypot(c - a, d - b), head = Math.min(most, length * .6);
+    if (!(length > 0)) continue; // NaN, or nothing to draw
+    const [u, v] = [(c - a) / length * head, (d - b) / length * head], back = length > most ? .7 : 0;
+    shafts += `M${px(a)} ${px(b)}L${px(c - u * back)} ${px(d - v * back)}`;
+    if (length > 3) tips += `M${px(c)} ${px(d)}L${px(c - u - v / 2)} ${px(d - v + u / 2)}L${px(c - u + v / 2)} ${px(d - v - u / 2)}z`;
+  }
+  return [shafts, tips];
+}

@@ -31,8 +31,7 @@ export class View {
     this.map = new EnergyMap($("map"));
     this.curve = new Curve($("curve"));
     this.space = opened(robot, meshes, () => this.flatten(true, changed));
-    /** In place of the 3-D view, where WebGL is missing or slow. */
-    this.still = new Outside($("still"), hulls);
+    this.still = new Outside($("still"), hulls); // in place of the 3-D view, where WebGL is missing or slow
     this.isFlat = false;
     this.flatten(!this.space);
     $("in-3d").addEventListener("click", () => {

@@ -29,7 +29,6 @@ RUNS = {
     SAME: "the hand's points, transfer fitted in the demonstrator's own posture",
 }
 NAMES = {CONVERGED: "converged", BODY: "all points", BEFORE: "before", SAME: "same posture"}
-MEASURES = {"image": "image", "joints": "joints", "hand": "hand"}
 MAX_MOTIONS = 3_000  # until the servo must rest
 CONVERGENCE_SHARE = 0.3  # of the progress bar
 
@@ -74,12 +73,10 @@ class Fig10:
                 ("hand", "–", " mm", 1e3 * followed.hand_m),
             ):
                 median = float(np.median(values))
-                line = f"Fig. 10: {NAMES[name]}, {MEASURES[what]}"
-                here = "median {median}, most {most}".format(
-                    median=f"{median:.3g}{unit}", most=f"{values.max():.3g}{unit}"
-                )
+                line = f"Fig. 10: {NAMES[name]}, {what}"
+                here = f"median {median:.3g}{unit}, most {values.max():.3g}{unit}"
                 if name == CONVERGED:
-                    claims.judge(line, paper, here, what, median, "median ≤ {bound}".format(bound=f"{{:g}}{unit}"))
+                    claims.judge(line, paper, here, what, median, f"median ≤ {{:g}}{unit}")
                 else:
                     claims.add(line, "–", here)
         if BEFORE in self.runs:
@@ -94,22 +91,15 @@ class Fig10:
         frames, points = [], []
         for name, run in self.runs.items():
             count, number = run.own.shape[:2]
-            frame = np.arange(count)
+            frame = {"run": name, "frame": np.arange(count), "time_s": np.arange(count) * self.motion.step_s}
             postures = joint_columns(self.joints, "demonstrator", np.degrees(run.theta_demo))
             postures |= joint_columns(self.joints, "learner", np.degrees(run.theta))
             errors = {"joint_deg": run.joint_deg, "hand_mm": 1e3 * run.hand_m}
             images = {"image_px": run.image_px, "target_px": run.target_px}
-            frames.append(
-                {"run": name, "frame": frame, "time_s": frame * self.motion.step_s, **postures, **errors, **images}
-            )
+            frames.append({**frame, **postures, **errors, **images})
             for k, view in enumerate(("own_left", "own_right")):
-                row = {
-                    "run": name,
-                    "frame": np.repeat(frame, number),
-                    "view": view,
-                    "point": np.tile(np.arange(number), count),
-                }
-                row["followed"] = np.tile(run.followed, count)
+                row = {"run": name, "frame": np.repeat(np.arange(count), number), "view": view}
+                row |= {"point": np.tile(np.arange(number), count), "followed": np.tile(run.followed, count)}
                 for what in ("own", "target", "desired"):
                     xy = getattr(run, what)[:, :, 2 * k : 2 * k + 2].reshape(-1, 2)
                     row |= {f"{what}_x_px": xy[:, 0], f"{what}_y_px": xy[:, 1]}

@@ -93,11 +93,9 @@ class Fig7:
         if surface is None or not len(surface.minima):
             return claims
         here = np.degrees(surface.minima.theta[0])
-        off = float(np.abs(here - self.demonstrator_deg).max())
-        form = "{:g}° of demonstrator"
-        claims.judge(
-            "Fig. 7: smallest E", "(41°, −90°)", in_degrees(here), "minimum", off, form, "the place of smallest E"
-        )
+        off, form = float(np.abs(here - self.demonstrator_deg).max()), "{:g}° of demonstrator"
+        place = "the place of smallest E"
+        claims.judge("Fig. 7: smallest E", "(41°, −90°)", in_degrees(here), "minimum", off, form, place)
         count = len(surface.minima)
         claims.judge("Fig. 7: local minima", "1", str(count), "minima", count, "{:g}", "a single minimum")
         reached = f"{surface.basin:.1%}"
@@ -106,19 +104,15 @@ class Fig7:
             low, high = curved.eigenvalues
             definite = curved.positive_definite
             claims.add("Eq. (11): Q positive definite", "yes", f"{low:.4f}, {high:.4f} px²/°²", "both > 0", definite)
-            around = "to {angle:g}° around"
-            name = "Eq. (11): E ≈ δθᵀQδθ within 25 %"
-            claims.add(name, "nearby", around.format(angle=curved.holds_to_deg))
-            claims.add("Eq. (11): E convex", "nearby", around.format(angle=curved.convex_radius_deg))
+            claims.add("Eq. (11): E ≈ δθᵀQδθ within 25 %", "nearby", f"to {curved.holds_to_deg:g}° around")
+            claims.add("Eq. (11): E convex", "nearby", f"to {curved.convex_radius_deg:g}° around")
         study = self.studies.get(self.settings.transfer)
         if study is not None:
             inside = study.minima - study.on_limit
             here = f"{(inside == 1).sum()} of {len(inside)}"
             claims.add("Other demonstrators: one minimum inside", "–", here)
             mean, most = np.abs(study.bias_deg).mean(0), np.abs(study.bias_deg).max(0)
-            here = "mean {mean}, most {most}".format(
-                mean=f"{mean[0]:.1f}°/{mean[1]:.1f}°", most=f"{most[0]:.1f}°/{most[1]:.1f}°"
-            )
+            here = f"mean {mean[0]:.1f}°/{mean[1]:.1f}°, most {most[0]:.1f}°/{most[1]:.1f}°"
             claims.add("Other demonstrators: bias of the minimum", "4°/0° for one", here)
         return claims
 
@@ -139,12 +133,7 @@ class Fig7:
                 error = {"error_median": curved.error, "error_worst": curved.worst}
                 curves.append({"transfer": transfer, "radius_deg": curved.radius_deg, **error})
         for transfer, study in self.studies.items():
-            counts = {
-                "minima": study.minima,
-                "on_limit": study.on_limit,
-                "on_grid": study.on_grid,
-                "basin": study.basin,
-            }
+            counts = {name: getattr(study, name) for name in ("minima", "on_limit", "on_grid", "basin")}
             demonstrator = joint_columns(self.joints, "demonstrator", study.demonstrator_deg)
             bias = joint_columns(self.joints, "bias", study.bias_deg)
             studies.append({"transfer": transfer, **demonstrator, **counts, **bias})
@@ -318,8 +307,7 @@ def _legend(found: Fig7 | None) -> str:
     here, transfers = found.bias_deg if found else np.empty((0, 2)), _transfers(found)
     entries = legend_marks(CROSS)
     if len(here):
-        text = "smallest E ({up}°, {across}°) off"
-        entries[1] = entries[1][0], text.format(up=svg.number(here[0, 0]), across=svg.number(here[0, 1]))
+        entries[1] = entries[1][0], f"smallest E ({svg.number(here[0, 0])}°, {svg.number(here[0, 1])}°) off"
     entries.append(('<ellipse class="vi-x-ellipse" cx="8" cy="0" rx="8" ry="4"/>', "δθᵀQδθ, where it holds"))
     places = [(2, 175), (122, 175), (2, 191), (122, 191)]
     parts = [legend_entry(*place, *entry) for place, entry in zip(places, entries)]

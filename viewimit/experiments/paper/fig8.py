@@ -14,7 +14,6 @@ from ...estimation.transfers import TRANSFERS
 from ...loop.session import Session
 from ...loop.settings import Settings
 from ...simulation.scene import Scene
-from ...wording import plural
 from ..experiment import Tables, joint_columns, stacked
 from .common import Claims, Progress, demonstrator_mark, grid_rows, in_degrees, legend_entry, legend_marks, no_progress
 
@@ -66,22 +65,13 @@ class Fig8:
             fitted = in_degrees(np.degrees(surface.fitted)) if np.isfinite(surface.fitted).all() else "none"
             claims.add(f"Fig. 8: {name}, parabola's minimum", paper, fitted)
             count, basin = len(surface.landscape.local_minima()), surface.landscape.basin_fraction()
-            claims.add(
-                f"Fig. 8: {name}, local minima on the grid",
-                "1" if paper != "–" else "–",
-                f"{count}, basin {basin:.0%}",
-            )
-            least, largest = np.nanmin(E), np.nanmax(E)
-            claims.add(
-                f"Fig. 8: {name}, E",
-                "–",
-                f"{least:.3g} … {largest:.3g} px², {surface.E_demo:.3g} in demonstrator's posture",
-            )
-        few, many = self.usable.min(), np.median(self.usable)
-        here = f"median {many:.0f}, fewest {few}"
+            one = "1" if paper != "–" else "–"
+            claims.add(f"Fig. 8: {name}, local minima on the grid", one, f"{count}, basin {basin:.0%}")
+            here = f"{np.nanmin(E):.3g} … {np.nanmax(E):.3g} px², {surface.E_demo:.3g} in demonstrator's posture"
+            claims.add(f"Fig. 8: {name}, E", "–", here)
+        here = f"median {np.median(self.usable):.0f}, fewest {self.usable.min()}"
         claims.add("Fig. 8: points seen in all four pictures", "–", here)
-        here = f"{np.abs(self.sag_deg).max():.2f}° at most"
-        claims.add("Fig. 8: sag of the arm", "–", here)
+        claims.add("Fig. 8: sag of the arm", "–", f"{np.abs(self.sag_deg).max():.2f}° at most")
         return claims
 
     @property
@@ -112,8 +102,7 @@ def run(
     session = Session(settings)
     scene = session.scene
     if len(scene.moving_joints) != 2:
-        refusal = "a landscape needs two moving joints, this scene has {n}"
-        raise ValueError(refusal.format(n=len(scene.moving_joints)))
+        raise ValueError(f"a landscape needs two moving joints, this scene has {len(scene.moving_joints)}")
     axes = np.radians(grid_deg[0]), np.radians(grid_deg[1])
     commanded = np.stack(np.meshgrid(*axes, indexing="ij"), -1)
     reached, own, visible = _pictures(session, commanded, progress)
@@ -186,7 +175,7 @@ def draw(scene: Scene, found: Fig8) -> str:
         )
     bottom = TITLE + -(-len(panels) // 2) * row
     count = found.usable.size
-    extra = plural("{n} posture", "{n} postures", count).format(n=count)
+    extra = f"{count} posture{'s' * (count != 1)}"
     return figure(found.settings, "".join(parts) + _legend(bottom), extra, bottom + 14)
 
 

@@ -93,27 +93,16 @@ class Fig9:
             runs, subject = self.of(law), SUBJECTS.get(law, law)
             counts = [run.motions_until(near) for run in runs]
             reached = [count for count in counts if count is not None]
-            text = "{n} of {all} starts, median {steps:.0f} steps" if reached else "{n} of {all} starts"
-            steps = float(np.median(reached)) if reached else np.nan
-            here, share = text.format(n=len(reached), all=len(runs), steps=steps), len(reached) / len(runs)
+            here, share = f"{len(reached)} of {len(runs)} starts", len(reached) / len(runs)
+            here += f", median {np.median(reached):.0f} steps" if reached else ""
             name, form = f"Fig. 9: {law}, came within {near:g}°", "≥ {:.0%} of starts"
             claims.judge(name, "converges", here, "starts", share, form, subject)
             stayed = sum(run.error_deg[-1] <= near for run in runs)
-            here = f"{stayed} of {len(runs)} starts"
-            claims.add(f"Fig. 9: {law}, ended within {near:g}°", "converges", here)
+            claims.add(f"Fig. 9: {law}, ended within {near:g}°", "converges", f"{stayed} of {len(runs)} starts")
             name, least = f"Fig. 9: {law}, smallest E", float(runs[0].E.min())
             if reached:
-                most = self.E_demo + TOLERANCES["E at rest"].value
-                form = f"≤ {most:.3g} px²"
-                claims.judge(
-                    name,
-                    "0",
-                    f"{least:.3g} px²",
-                    "E at rest",
-                    least - self.E_demo,
-                    form,
-                    f"E of {subject}",
-                )
+                form, above = f"≤ {self.E_demo + TOLERANCES['E at rest'].value:.3g} px²", least - self.E_demo
+                claims.judge(name, "0", f"{least:.3g} px²", "E at rest", above, form, f"E of {subject}")
             else:
                 claims.add(name, "0", f"{least:.3g} px²")
         return claims
@@ -242,11 +231,10 @@ def _frames(scene: Scene, angles: Axes, conflict: Axes, found: Fig9 | None) -> s
     names = [svg.joint_symbol(joint) for joint in scene.moving_joints]
     if found and len(names) <= 3:
         names = [f"{name} {svg.number(angle, 0)}°" for name, angle in zip(names, found.settings.demonstrator_deg or ())]
-    dashed = "dashed = demonstrator, {joints}"
     low, high = angles.y
     degrees = [(angle, svg.number(angle, 0) + "°") for angle in np.arange(90 * np.ceil(low / 90), high + 1, 90)]
     return (
-        angles.frame("Joint angles", dashed.format(joints=", ".join(names)), (), degrees)
+        angles.frame("Joint angles", f"dashed = demonstrator, {', '.join(names)}", (), degrees)
         + conflict.frame("Conflict E", "px², log; dashed = in its posture", TICKS, decade_ticks(*conflict.y, 3))
         + svg.text(RIGHT + 20, CONFLICT[1] + 13, "steps, log", "vi-2nd")
     )
@@ -309,8 +297,7 @@ def _outcome(runs: list[Run], near: float) -> tuple[str, str]:
     if not reached:
         off = np.min([run.error_deg[-1] for run in runs])
         return f"0 of {len(runs)}, best {svg.number(off, 0)}° off", "vi-x-off"
-    text = "{n} of {all}, median {median:.0f}"
-    return text.format(n=len(reached), all=len(runs), median=np.median(reached)), "vi-2nd"
+    return f"{len(reached)} of {len(runs)}, median {np.median(reached):.0f}", "vi-2nd"
 
 
 def _thinned(count: int, limit: int) -> NDArray:

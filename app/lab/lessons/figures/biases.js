@@ -6,7 +6,7 @@ import {stageSmallest} from "../maps.js";
 import {short} from "../measured.js";
 import {farthest} from "../../engine/engine.js";
 import {
-  axis, circles, crossHair, dots, Drawing, legend, legendHeight, path, polyline, sketched, text, widthOf,
+  axis, circles, dots, Drawing, legend, legendHeight, path, polyline, sketched, text, widthOf,
 } from "./drawing.js";
 import {Names} from "./names.js";
 
@@ -115,4 +115,11 @@ function described(stage, layers) {
   if (layers.has("found")) words.push(`at ${ASKED} times ${short(valueAt(ASKED, times, degrees[used]))}°`);
   if (stage.answer.number !== undefined) words.push(`you said ${short(stage.answer.number)}°`);
   return `${words.join("; ")}.`;
+}
+
+/** The visitor's own mark: a cross hair. @param {number[]} at */
+function crossHair([x, y]) {
+  const hair = circles([[x, y]], 9.5) + [[1, 0], [-1, 0], [0, 1], [0, -1]].map(([u, v]) =>
+    `M${px(x + 7 * u)} ${px(y + 7 * v)}l${8 * u} ${8 * v}`).join("");
+  return path("lesson-you-case", hair) + path("lesson-you", hair);
 }

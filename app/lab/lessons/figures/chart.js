@@ -25,13 +25,9 @@ const MIN_TICK_GAP = 16; // units, of ticks of y
 
 export class Chart {
   /** @param {HTMLElement} box */
-  constructor(box) {
-    this.plane = new Plane(box, "draw-chart");
-  }
+  constructor(box) { this.plane = new Plane(box, "draw-chart"); }
 
-  resize() {
-    this.plane.measure();
-  }
+  resize() { this.plane.measure(); }
 
   /** @param {Axes} axes @param {Curve[]} curves @param {string} label */
   draw(axes, curves, label) {

@@ -3,7 +3,7 @@
  * @typedef {{world: Altered | null, key: string, lines: string}} Rings that were drawn last
  * @typedef {ReturnType<typeof scales>} Scales */
 import {DEGREE, Landscape} from "../../engine/engine.js";
-import {contour} from "../../view/map.js";
+import {contour, nice} from "../../view/map.js";
 import {fixed, px} from "../../view/svg.js";
 import {Altered, smallest} from "../maps.js";
 import {axis, circles, crosses, diamonds, dots, Drawing, legend, legendHeight, path, polyline, rectangle, text,
@@ -157,14 +157,6 @@ function spread(cloud, name, row, {x, y, right, bottom}, names) {
   names.keepBox([first - 6, down - 9, last + 70, down + 9]);
   const said = text(across - 9, (low + high) / 2 + 4.5, words[0], `${kind} vi-end`);
   return path(`lesson-bracket lesson-cloud-${name}`, d) + said + text(last + 9, down + 4.5, words[1], kind);
-}
-
-/** Round degrees between two angles, seven at most. @param {number} from @param {number} to rad @param {number} most */
-function nice(from, to, most) {
-  const low = from / DEGREE, high = to / DEGREE, found = [];
-  const step = [.1, .2, .5, 1, 2, 5, 10, 20, 30, 45].find(each => (high - low) / each <= Math.min(7, most)) ?? 90;
-  for (let k = Math.ceil(low / step); k * step <= high; k++) found.push(Math.round(k * step * 10) / 10);
-  return found;
 }
 
 /** @param {Stage} stage @param {Set<string>} layers */

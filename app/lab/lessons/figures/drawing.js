@@ -1,7 +1,8 @@
 /** Drawings of lessons: SVG as large as its box, in units that grow with the page's letters.
  * @typedef {[number, number]} Place in units of a drawing
  * @typedef {[number, number, number, number]} Rectangle left, top, right, bottom, in units of a drawing */
-import {add, drawingSize, escaped, px, set} from "../../view/svg.js";
+import {add, arrowPaths, drawingSize, escaped, px, set} from "../../view/svg.js";
+export {circles, crosses, diamonds, dots, polyline} from "../../view/svg.js";
 
 const LETTER_PX = 12.5; // size of letters, in units
 const PILL_HIGH = 21, HEAD = 7.5; // units: of a pill, of an arrow's tip
@@ -63,51 +64,10 @@ export const text = (x, y, words, kind = "") =>
 /** @param {string} kind @param {string} d @param {string} [more] attributes */
 export const path = (kind, d, more = "") => d ? `<path class="${kind}" d="${d}"${more}/>` : "";
 
-/** Data of a path through points; one that is not finite parts it. @param {number[][]} points */
-export function polyline(points) {
-  let d = "", pen = "M";
-  for (const [x, y] of points) {
-    const isThere = Number.isFinite(x) && Number.isFinite(y);
-    if (isThere) d += `${pen}${px(x)} ${px(y)}`;
-    pen = isThere ? "L" : "M";
-  }
-  return d;
-}
-
-/** @param {number[][]} points */
-export const dots = points => points.map(([x, y]) => `M${px(x)} ${px(y)}h0`).join("");
-
-/** @param {number[][]} points @param {number} r half a diagonal */
-export const diamonds = (points, r) =>
-  points.map(([x, y]) => `M${px(x - r)} ${px(y)}l${r}-${r} ${r} ${r}-${r} ${r}z`).join("");
-
-/** @param {number[][]} points @param {number} r */
-export const circles = (points, r) => points.map(([x, y]) =>
-  `M${px(x - r)} ${px(y)}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0`).join("");
-
-/** Upright crosses. @param {number[][]} points @param {number} r */
-export const crosses = (points, r) =>
-  points.map(([x, y]) => `M${px(x - r)} ${px(y)}h${2 * r}m-${r}-${r}v${2 * r}`).join("");
-
-/** Arrows, short ones without a tip.
- * @param {number[][][]} ends @param {number} [most] length of a tip @param {string} [kind] @param {string} [tip] */
+/** @param {number[][][]} ends @param {number} [most] length of a tip @param {string} [kind] @param {string} [tip] */
 export function arrows(ends, most = HEAD, kind = "vi-e", tip = "vi-tip") {
-  let shafts = "", tips = "";
-  for (const [[a, b], [c, d]] of ends) {
-    const length = Math.hypot(c - a, d - b), head = Math.min(most, length * .6);
-    if (!(length > 0)) continue; // NaN, or nothing to draw
-    const [u, v] = [(c - a) / length * head, (d - b) / length * head], back = length > most ? .7 : 0;
-    shafts += `M${px(a)} ${px(b)}L${px(c - u * back)} ${px(d - v * back)}`;
-    if (length > 3) tips += `M${px(c)} ${px(d)}L${px(c - u - v / 2)} ${px(d - v + u / 2)}L${px(c - u + v / 2)} ${px(d - v - u / 2)}z`;
-  }
+  const [shafts, tips] = arrowPaths(ends, most);
   return path(kind, shafts) + path(tip, tips);
-}
-
-/** The visitor's own mark: a cross hair. @param {number[]} at */
-export function crossHair([x, y]) {
-  const hair = circles([[x, y]], 9.5) + [[1, 0], [-1, 0], [0, 1], [0, -1]].map(([u, v]) =>
-    `M${px(x + 7 * u)} ${px(y + 7 * v)}l${8 * u} ${8 * v}`).join("");
-  return path("lesson-you-case", hair) + path("lesson-you", hair);
 }
 
 /** Words on a pill beside the middle of a line, or on it, where nothing is yet.

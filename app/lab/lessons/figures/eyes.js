@@ -30,9 +30,7 @@ class Picture {
     this.hulls = outermost(stage.page.hulls);
   }
 
-  resize() {
-    this.plane.measure();
-  }
+  resize() { this.plane.measure(); }
 
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {

@@ -14,9 +14,7 @@ export class Names {
   html = "";
 
   /** @param {Box} bounds within which names stay */
-  constructor(bounds) {
-    this.bounds = bounds;
-  }
+  constructor(bounds) { this.bounds = bounds; }
 
   /** Keep a place free. @param {ArrayLike<number>} p drawing units @param {number} radius */
   keep(p, radius) {
@@ -34,9 +32,7 @@ export class Names {
   }
 
   /** @param {Box} box */
-  keepBox(box) {
-    this.taken.push(box);
-  }
+  keepBox(box) { this.taken.push(box); }
 
   /** Whether a box is within the bounds and covers nothing that is kept free. @param {Box} box */
   isFree(box) {

@@ -33,9 +33,7 @@ class Room {
     this.resize();
   }
 
-  resize() {
-    this.outside.measure();
-  }
+  resize() { this.outside.measure(); }
 
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {

@@ -25,9 +25,7 @@ export class MapPanel {
     this.ground = "";
   }
 
-  resize() {
-    this.ground = "";
-  }
+  resize() { this.ground = ""; }
 
   /** @param {MapOfE} what @param {Scene} scene */
   draw({title, words, map: made, instead = "", demonstrator, lowest, gap = false}, {lower, upper, names: joints}) {

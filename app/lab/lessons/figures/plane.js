@@ -14,9 +14,7 @@ export class Plane extends Drawing {
   window = {x: 0, y: 0, scale: 0};
 
   /** @param {HTMLElement} box @param {string} [kind] class of the drawing */
-  constructor(box, kind = "") {
-    super(box, kind, false);
-  }
+  constructor(box, kind = "") { super(box, kind, false); }
 
   measure() {
     const {unit, width, height} = this;

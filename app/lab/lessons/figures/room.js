@@ -44,9 +44,7 @@ class Room {
     this.hulls = outermost(stage.page.hulls);
   }
 
-  resize() {
-    this.plane.measure();
-  }
+  resize() { this.plane.measure(); }
 
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {

@@ -61,14 +61,10 @@ class View extends Plane {
   }
 
   /** @param {Stage} _ @param {Mark} mark */
-  place(_, mark) {
-    return this.placed(mark);
-  }
+  place(_, mark) { return this.placed(mark); }
 
   /** @param {Stage} _ @param {[number, number]} at */
-  unplace(_, at) {
-    return this.under(at);
-  }
+  unplace(_, at) { return this.under(at); }
 
   resize() {
     this.measure();

@@ -21,8 +21,8 @@ import trimesh
 from numpy.typing import NDArray
 
 from ..analysis.landscape import Landscape
-from ..estimation.residuals import conflict
 from ..estimation.transfers import TRANSFERS
+from ..estimation.transfers.transfer import conflict
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS
 from ..simulation.rendering import Studio

@@ -48,8 +48,8 @@ __version__ = "0.2.0"
 if TYPE_CHECKING:
     from .analysis.landscape import Landscape, landscape
     from .drawing.export.replay import replay
-    from .estimation.residuals import conflict
     from .estimation.transfers import TRANSFERS
+    from .estimation.transfers.transfer import conflict
     from .estimation.views import FourViews
     from .geometry.affine import fit_affine_fundamental
     from .loop.embodiment import Arm, Eyes
@@ -75,7 +75,7 @@ _MODULES = {
     "Snapshot": ".loop.snapshot",
     "TRANSFERS": ".estimation.transfers",
     "World": ".simulation.world",
-    "conflict": ".estimation.residuals",
+    "conflict": ".estimation.transfers.transfer",
     "fit_affine_fundamental": ".geometry.affine",
     "landscape": ".analysis.landscape",
     "load_scene": ".simulation.scene",

@@ -10,7 +10,7 @@ from viewimit.analysis.self_assessment import Assessment
 from viewimit.drawing import svg
 from viewimit.drawing.export.engine_scene import joint_name
 from viewimit.drawing.landscape import describe_costs, draw_bars
-from viewimit.estimation.transfers.registry import FLATNESS
+from viewimit.estimation.transfers.transfer import FLATNESS
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.servo.certificate import MAX_STD_PER_PX
 from viewimit.simulation.scene import Scene

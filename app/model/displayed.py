@@ -211,6 +211,7 @@ class Displayed:
     view: View
     playing: bool
     look_at: Callable[[Snapshot], tuple[Bodies, Windows]]
+    assess: Callable[[], Assessment | None]  # the session's present
 
     @property
     def snapshot(self) -> Snapshot:
@@ -246,7 +247,7 @@ class Displayed:
         """What the learner can tell of the posture in which it rests; None unless it does. Laws that move on although
         they have stalled rest when they are paused."""
         moves_on = self.playing and SERVOS[self.present.settings.servo].slow
-        return assess(self.session) if self.present.status.is_at_rest and not moves_on else None
+        return self.assess() if self.present.status.is_at_rest and not moves_on else None
 
     @cached_property
     def recovered_world(self) -> NDArray:
@@ -287,6 +288,7 @@ class Display:
         self._on_the_way = OnTheWay()
         self.preview, self.playback, self.construction = SeeThrough(session), Imitated(session), BuildingUp()
         self._appearance: Appearance | None = None  # made when it is first shown
+        self._assessed: tuple[Snapshot, Assessment | None] | None = None  # the last one, which is drawn many times
 
     def reset(self) -> None:
         """End previews, playbacks and constructions: the world was replaced."""
@@ -327,7 +329,13 @@ class Display:
             view=view,
             playing=self._player.playing,
             look_at=self._look_at,
+            assess=self._assess,
         )
+
+    def _assess(self) -> Assessment | None:
+        if self._assessed is None or self._assessed[0] is not self._session.snapshot:
+            self._assessed = self._session.snapshot, assess(self._session)
+        return self._assessed[1]
 
     def _look_at(self, moment: Snapshot) -> tuple[Bodies, Windows]:
         """Return both arms in the images at a moment of the session's, and the windows that show them."""

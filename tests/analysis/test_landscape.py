@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from viewimit.analysis.landscape import Landscape, grid_axes, landscape, landscape_over
-from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import TRANSFERS
+from viewimit.estimation.transfers.transfer import conflict
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench import baselines
 from viewimit.loop.session import Session

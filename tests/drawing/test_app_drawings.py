@@ -36,8 +36,8 @@ from viewimit.drawing.images import panel
 from viewimit.drawing.images.planes import image_windows
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.equations import MISSING
-from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import TRANSFERS
+from viewimit.estimation.transfers.transfer import conflict
 from viewimit.estimation.views import FourViews
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from viewimit.analysis.landscape import landscape_over
-from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import linear, rank3
+from viewimit.estimation.transfers.transfer import conflict
 from viewimit.estimation.views import FourViews
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from viewimit.analysis.landscape import landscape_over
-from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import projective
+from viewimit.estimation.transfers.transfer import conflict
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.rigid import rotation_from_rpy
 from viewimit.simulation.camera import Lens, StereoHead

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from viewimit.estimation.rectification import fit_transfer
-from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import TRANSFERS, Transfer, transfer_method
+from viewimit.estimation.transfers.transfer import conflict
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.rectification import Rectification, fit_rectification
 from viewimit.simulation.scene import load_scene

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from viewimit.estimation.residuals import conflict
+from viewimit.estimation.transfers.transfer import conflict
 from viewimit.experiments.bench.cases import COMPARE
 from viewimit.experiments.bench.engine import run_once
 from viewimit.experiments.bench.generative import Generative, Visits, fit

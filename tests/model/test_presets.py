@@ -9,8 +9,8 @@ from viewimit.app.model.choices import PRESETS, presets_from
 from viewimit.app.server.limits import ServerOptions
 
 from viewimit.analysis.self_assessment import Assessment, assess
-from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers.registry import BADLY_CONDITIONED
+from viewimit.estimation.transfers.transfer import conflict
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from viewimit.estimation.residuals import conflict
+from viewimit.estimation.transfers.transfer import conflict
 from viewimit.servo import Observation
 
 

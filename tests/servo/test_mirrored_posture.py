@@ -5,7 +5,7 @@ import pytest
 from axle_markers import axle_markers, in_plane, one_pair
 from sameness import error_deg
 
-from viewimit.estimation.prediction import PredictedResiduals
+from viewimit.estimation.residuals import PredictedResiduals
 from viewimit.experiments.bench.draws import SurfaceEyes
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings

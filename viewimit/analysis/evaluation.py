@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from ..estimation.outliers import OutlierReport, find_outliers, select_matches
 from ..estimation.rectification import fit_transfer
-from ..estimation.residuals import conflict
 from ..estimation.transfers import TRANSFERS, TransferMethod, default_transfer
-from ..estimation.transfers.registry import FLAT, FLATNESS, ILL_CONDITIONED, PROJECTIVE_MIN_POINTS
+from ..estimation.transfers.registry import ILL_CONDITIONED, PROJECTIVE_MIN_POINTS
+from ..estimation.transfers.transfer import FLAT, FLATNESS, conflict
 from ..estimation.views import VIEW_NAMES, VIEWS, FourViews, extents, why_degenerate
 from ..geometry.affine import MIN_POINTS, fit_affine_fundamental
 from ..geometry.handedness import Handedness, principal_axes

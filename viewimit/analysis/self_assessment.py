@@ -5,7 +5,6 @@ rises about the posture, and that gives the standard error of each joint.
 """
 
 from dataclasses import dataclass
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,9 +46,6 @@ class Assessment:
         return self.distance < AT_MINIMUM_RAD
 
 
-_ASSESSED: WeakKeyDictionary[Snapshot, Assessment | None] = WeakKeyDictionary()  # a snapshot is drawn many times
-
-
 def assess(session: Session) -> Assessment | None:
     """Assess the session's present posture.
 
@@ -59,13 +55,7 @@ def assess(session: Session) -> Assessment | None:
     now = session.snapshot
     if now.transfer is None or session.cursor < len(now.theta):
         return None
-    if now not in _ASSESSED:
-        _ASSESSED[now] = _assess(session, now, session.cursor)
-    return _ASSESSED[now]
-
-
-def _assess(session: Session, now: Snapshot, cursor: int) -> Assessment | None:
-    seen = session.observation(now)
+    seen, cursor = session.observation(now), session.cursor
     unit_px = unit_of(seen)
     seen, residuals = in_units(seen, unit_px), ScaledResiduals(session.predicted_residuals(now), unit_px)
     kept = np.unique(np.linspace(0, cursor, MAX_VISITS).round().astype(int)).tolist()

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from ..analysis.self_assessment import Assessment
 from ..estimation.equations import with_minus
-from ..estimation.transfers.registry import BADLY_CONDITIONED, FLAT, FLATNESS, ILL_CONDITIONED
+from ..estimation.transfers.registry import BADLY_CONDITIONED, ILL_CONDITIONED
+from ..estimation.transfers.transfer import FLAT, FLATNESS
 from ..loop.snapshot import Snapshot
 from ..servo import Certificate, ServoStatus, verdict, verdicts
 from ..servo.certificate import MAX_STD_PER_PX

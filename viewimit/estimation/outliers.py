@@ -31,8 +31,8 @@ from ..geometry.robust_fit import (
 )
 from .noise import views_rounding_std
 from .rectification import fit_transfer
-from .residuals import conflict
 from .transfers.registry import TRANSFERS
+from .transfers.transfer import conflict
 from .views import VIEWS, FourViews, Pairs, permute, unique_matches, why_degenerate
 
 PAST_LOOKS = 10  # whose matches are pooled with those of the present look

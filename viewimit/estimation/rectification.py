@@ -11,9 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..geometry.rectification import Rectification, fit_rectification
-from .residuals import conflict
-from .transfers.registry import TransferMethod
-from .transfers.transfer import FittedTransfer, is_whitened
+from .transfers.transfer import FittedTransfer, TransferMethod, conflict, is_whitened
 from .views import FourViews, unique_matches
 
 MAX_LOOKS = 40  # whose matches are pooled; after as many motions the rectification stays

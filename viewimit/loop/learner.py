@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.outliers import reject_outliers
-from ..estimation.prediction import VELOCITY_LOOKS, PredictedResiduals, target_velocity
 from ..estimation.rectification import MAX_LOOKS, update_rectification
+from ..estimation.residuals import VELOCITY_LOOKS, PredictedResiduals, target_velocity
 from ..estimation.views import FourViews
 from ..geometry.rectification import Rectification
 from ..servo import Observation, ServoState

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.prediction import AT_REST, PredictedResiduals
 from ..estimation.rectification import fit_transfer, rectify_views
+from ..estimation.residuals import AT_REST, PredictedResiduals
 from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod
 from ..estimation.views import FourViews, Pairs
 from ..geometry.affine import LINE_VIEWS, MIN_POINTS, PairGeometry, fit_pairs, flatness

@@ -18,8 +18,8 @@ from .misfit import Misfit, MisfitKind
 from .naming import Naming
 from .observation import Observation
 from .recursive import GaussNewton, Kalman
-from .registry import SERVOS, ServoMethod, Servos, servo_method
-from .servo import LastMotion, Retargetable, Servo, ServoState
+from .registry import SERVOS, Servos
+from .servo import LastMotion, Retargetable, Servo, ServoMethod, ServoState, servo_method
 from .status import ServoStatus
 from .verdict import Verdict, verdict, verdicts
 

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.residuals import ResidualFunction, conflict
+from ..estimation.residuals import ResidualFunction
+from ..estimation.transfers.transfer import conflict
 from .image_jacobian import MIN_STEP_RAD, BroydenModel
 from .least_squares import minimise
 from .observation import Observation, Visit, probe_motion

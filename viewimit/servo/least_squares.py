@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.residuals import conflict
+from ..estimation.transfers.transfer import conflict
 
 Array = NDArray[np.float64]
 MAX_ITERATIONS = 8

@@ -4,15 +4,10 @@ The mathematics of a servo is in its own module. Only `servo` is required of an 
 """
 
 from collections import UserDict
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..estimation.equations import HOLE, Equation, angles, column, each, number, row, short
-from ..estimation.residuals import ResidualFunction
 from ..wording import plural, sentences
 from .broyden import Broyden, BroydenState
 from .estimator.explanation import describe_status as describe_estimator
@@ -20,66 +15,9 @@ from .estimator.explanation import equations as estimator_equations
 from .estimator.servo import Estimator
 from .gradient import RETUNED, Gradient, GradientOptions, GradientState
 from .image_jacobian import MIN_STEP_RAD
-from .observation import Observation
 from .recursive import KALMAN_GAIN, GaussNewton, GaussNewtonState, Kalman, RecursiveState
-from .servo import LastMotion, Retargetable, Servo
+from .servo import LastMotion, Servo, ServoMethod, servo_method
 from .status import TEST_MOVE, ServoStatus
-
-SIGNATURES = {"start": "start(observation)", "step": "step(state, observation, residuals)"}  # of a servo, by name
-
-
-@dataclass(kw_only=True)
-class ServoMethod:
-    """A servo with everything that is said about it."""
-
-    servo: Servo
-    title: str = ""  # in dropdowns; by default the name of its class
-    assumes: str = ""  # one sentence: when it works
-    limitations: str = ""  # one sentence: where it fails
-    slow: bool = False  # whether it makes hundreds of motions
-    predicts: bool = False  # whether it predicts its images: it can use a calibration, and moves on where few are seen
-    names_points: bool = False  # whether it finds the names of a demonstrator's points that come without
-    rigid: bool = False  # whether it needs a body of rigid links: it claims nothing of images that show none
-    mirror_columns: bool = False  # whether residuals get three more columns where images fit only a mirror image
-    equations: Callable[[Any, LastMotion], tuple[Equation, ...]] = lambda state, motion: ()  # state: None at the start
-    describe_status: Callable[[Any, ServoStatus], str] = lambda state, status: ""  # what it does, or why it rests
-
-    def __post_init__(self) -> None:
-        self.title = self.title or type(self.servo).__name__
-
-    def start(self, observation: Observation) -> Any:
-        """Return the state before the first motion."""
-        return self.servo.start(observation)
-
-    def step(
-        self, state: Any, observation: Observation, residuals: ResidualFunction
-    ) -> tuple[Any, NDArray[np.float64]]:
-        """Return the next state and the motion to make, (m,) rad."""
-        return self.servo.step(state, observation, residuals)
-
-    def retarget(self, state: Any, observation: Observation) -> Any:
-        """Return the state after E has changed by itself; by default start again."""
-        if isinstance(self.servo, Retargetable):
-            return self.servo.retarget(state, observation)
-        return self.servo.start(observation)
-
-
-def servo_method(given: ServoMethod | Servo) -> ServoMethod:
-    """Return a `ServoMethod` unchanged, or make one of an object with `start` and `step`.
-
-    Raises
-    ------
-    TypeError
-        For a class, or an object without these methods.
-    """
-    if isinstance(given, ServoMethod):
-        return given
-    if isinstance(given, type):
-        raise TypeError(f"the servo {given.__name__} is a class; make one, {given.__name__}(…)")
-    missing = [said for name, said in SIGNATURES.items() if not callable(getattr(given, name, None))]
-    if missing:
-        raise TypeError(f"the servo {given!r} has no {' and no '.join(missing)}: see viewimit.servo.Servo")
-    return ServoMethod(servo=given)
 
 
 class Servos(UserDict[str, ServoMethod]):

@@ -4,12 +4,14 @@ A servo sees image points and its own displacements, never a posture, a body or 
 effects. Everything that is said about a servo is in `registry`.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..estimation.equations import Equation
 from ..estimation.residuals import ResidualFunction
 from ..estimation.views import Pairs
 from .certificate import Certificate
@@ -18,6 +20,7 @@ from .naming import Naming
 from .observation import Observation, Visit
 from .status import ServoStatus
 
+SIGNATURES = {"start": "start(observation)", "step": "step(state, observation, residuals)"}  # of a servo, by name
 SERVO_STATUSES = (ServoStatus.MOVING, *(status for status in ServoStatus if status.is_at_rest))
 
 
@@ -165,3 +168,57 @@ class LastMotion:
     displacement: NDArray[np.float64]  # (m,) rad: commanded since the start
     moved: NDArray[np.float64]  # (m,) rad: the last motion as it was made
     status: ServoStatus
+
+
+@dataclass(kw_only=True)
+class ServoMethod:
+    """A servo with everything that is said about it."""
+
+    servo: Servo
+    title: str = ""  # in dropdowns; by default the name of its class
+    assumes: str = ""  # one sentence: when it works
+    limitations: str = ""  # one sentence: where it fails
+    slow: bool = False  # whether it makes hundreds of motions
+    predicts: bool = False  # whether it predicts its images: it can use a calibration, and moves on where few are seen
+    names_points: bool = False  # whether it finds the names of a demonstrator's points that come without
+    rigid: bool = False  # whether it needs a body of rigid links: it claims nothing of images that show none
+    mirror_columns: bool = False  # whether residuals get three more columns where images fit only a mirror image
+    equations: Callable[[Any, LastMotion], tuple[Equation, ...]] = lambda state, motion: ()  # state: None at the start
+    describe_status: Callable[[Any, ServoStatus], str] = lambda state, status: ""  # what it does, or why it rests
+
+    def __post_init__(self) -> None:
+        self.title = self.title or type(self.servo).__name__
+
+    def start(self, observation: Observation) -> Any:
+        """Return the state before the first motion."""
+        return self.servo.start(observation)
+
+    def step(
+        self, state: Any, observation: Observation, residuals: ResidualFunction
+    ) -> tuple[Any, NDArray[np.float64]]:
+        """Return the next state and the motion to make, (m,) rad."""
+        return self.servo.step(state, observation, residuals)
+
+    def retarget(self, state: Any, observation: Observation) -> Any:
+        """Return the state after E has changed by itself; by default start again."""
+        if isinstance(self.servo, Retargetable):
+            return self.servo.retarget(state, observation)
+        return self.servo.start(observation)
+
+
+def servo_method(given: ServoMethod | Servo) -> ServoMethod:
+    """Return a `ServoMethod` unchanged, or make one of an object with `start` and `step`.
+
+    Raises
+    ------
+    TypeError
+        For a class, or an object without these methods.
+    """
+    if isinstance(given, ServoMethod):
+        return given
+    if isinstance(given, type):
+        raise TypeError(f"the servo {given.__name__} is a class; make one, {given.__name__}(…)")
+    missing = [said for name, said in SIGNATURES.items() if not callable(getattr(given, name, None))]
+    if missing:
+        raise TypeError(f"the servo {given!r} has no {' and no '.join(missing)}: see viewimit.servo.Servo")
+    return ServoMethod(servo=given)

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.construction import Construction
-from ...estimation.transfers.registry import BADLY_CONDITIONED, FLATNESS, ILL_CONDITIONED
+from ...estimation.transfers.registry import BADLY_CONDITIONED, ILL_CONDITIONED
+from ...estimation.transfers.transfer import FLATNESS
 from ...estimation.views import VIEWS
 from ...geometry.affine import LINE_VIEWS, MIN_POINTS, POINT_VIEWS
 from ...loop.snapshot import Snapshot

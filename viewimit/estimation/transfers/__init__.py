@@ -6,8 +6,8 @@ write a function of `FourViews` and give it to `Session(settings, transfer=…)`
 the page, assign it, or a `TransferMethod` with title, limitations and equations: `TRANSFERS["name"] = …`.
 """
 
-from .registry import TRANSFERS, TransferMethod, Transfers, default_transfer, transfer_method
-from .transfer import FittedTransfer, Recovers, Transfer, TransferFunction
+from .registry import TRANSFERS, Transfers, default_transfer
+from .transfer import FittedTransfer, Recovers, Transfer, TransferFunction, TransferMethod, transfer_method
 
 __all__ = [
     "TRANSFERS",

@@ -4,78 +4,22 @@ The mathematics of a transfer is in its own module. Only `fit` is required of an
 """
 
 from collections import UserDict
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import wraps
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.affine import DEMO_PAIR, VIEW_PAIRS
 from ..equations import HOLE, Equation, column, each, matrix, number, short
-from ..views import FourViews
 from . import epipolar, linear, projective, rank3
 from .epipolar import EpipolarTransfer
 from .linear import AffineTransfer
 from .projective import ProjectiveTransfer
 from .rank3 import Rank3Transfer
-from .transfer import FittedTransfer, TransferFunction, fit_function
+from .transfer import TransferFunction, TransferMethod, transfer_method
 
 PROJECTIVE_MIN_POINTS = 8  # 32 coordinates for the 19 parameters of the projective transfer
 LINE_PAIRS = tuple("lrLR"[p] + "lrLR"[q] for p, q in np.delete(VIEW_PAIRS, DEMO_PAIR, 0))  # of the rows of 𝐀, Eq. (4)
 ILL_CONDITIONED, BADLY_CONDITIONED = 40.0, 200.0  # condition numbers from which a transfer is, and is badly
-FLATNESS = "σ₁/σ₃"  # of the centred [l r]
-FLAT = "The points nearly lie in a plane, so E may mislead."
-
-Equations = Callable[[Any, NDArray[np.float64], NDArray[np.float64], str], tuple[Equation, ...]]
-
-
-@dataclass(kw_only=True)
-class TransferMethod:
-    """A transfer with its description. Calling it with `FourViews` calls `fit`."""
-
-    fit: Callable[[FourViews], FittedTransfer]  #: views of points visible in all four, (..., N, 4) px, N ≥ 5
-    title: str = ""  #: in dropdowns; by default the name of `fit`
-    assumes: str = ""  #: one sentence: when it is exact
-    limitations: str = ""  #: one sentence: where it fails
-    equations: Equations = (
-        lambda fitted, demo, own, name: ()
-    )  #: how one point, (4,) px in [l r] and [L R], is recovered
-    crosses_lines: bool = False  #: whether a point is recovered at the intersection of its epipolar lines
-    condition_name: str = FLATNESS  #: what `condition` is
-    degenerate_message: str = FLAT  #: shown if `condition` is too large
-    conflict_equation: Callable[[float], Equation] | None = None  #: E px² → what replaces Eq. (6), if anything
-
-    def __post_init__(self) -> None:
-        self.title = self.title or name_of(self.fit)
-
-    def __call__(self, views: FourViews) -> FittedTransfer:
-        """Fit the transfer. Raises ValueError for coordinates that are not finite."""
-        if not (np.isfinite(views.demo).all() and np.isfinite(views.own).all()):
-            raise ValueError("a transfer needs points that are seen in all four views: take FourViews.used")
-        return self.fit(views)
-
-
-def name_of(function: Callable) -> str:
-    """Return the name of a function, or of a callable's class."""
-    return getattr(function, "__name__", type(function).__name__)
-
-
-def transfer_method(given: TransferMethod | TransferFunction) -> TransferMethod:
-    """Return a `TransferMethod` unchanged, or make one of a plain function of one posture's views. Raises TypeError for
-    anything else."""
-    if isinstance(given, TransferMethod):
-        return given
-    if not callable(given):
-        raise TypeError(f"a transfer is a function of FourViews or a TransferMethod, got {given!r}")
-    title = name_of(given)
-
-    @wraps(given)
-    def fit(views: FourViews) -> FittedTransfer:
-        return fit_function(given, title, views)
-
-    return TransferMethod(title=title, fit=fit)
 
 
 class Transfers(UserDict[str, TransferMethod]):

@@ -6,14 +6,34 @@ A transfer maps the demonstrator's points from its images [l], [r] to where they
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import wraps
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...geometry.affine import flatness
-from ..residuals import conflict
+from ..equations import Equation
 from ..views import VIEWS, FourViews
+
+FLATNESS = "σ₁/σ₃"  # of the centred [l r]
+FLAT = "The points nearly lie in a plane, so E may mislead."
+
+
+def conflict(e: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Compute E = 1/(2N) Σ (|e_L|² + |e_R|²), Eq. (6).
+
+    Parameters
+    ----------
+    e : (..., N, C) array
+        Residuals of N points with C coordinates each [px].
+
+    Returns
+    -------
+    (...) array
+        E [px²].
+    """
+    return np.einsum("...ij,...ij->...", e, e) / (2 * e.shape[-2])
 
 
 class FittedTransfer(Protocol):
@@ -248,3 +268,53 @@ class _BatchTransfer(Transfer):
     def _joined(self, found: list[NDArray[np.float64]]) -> NDArray[np.float64]:
         together = np.array(found)
         return together.reshape(self.batch + together.shape[1:])
+
+
+Equations = Callable[[Any, NDArray[np.float64], NDArray[np.float64], str], tuple[Equation, ...]]
+
+
+@dataclass(kw_only=True)
+class TransferMethod:
+    """A transfer with its description. Calling it with `FourViews` calls `fit`."""
+
+    fit: Callable[[FourViews], FittedTransfer]  #: views of points visible in all four, (..., N, 4) px, N ≥ 5
+    title: str = ""  #: in dropdowns; by default the name of `fit`
+    assumes: str = ""  #: one sentence: when it is exact
+    limitations: str = ""  #: one sentence: where it fails
+    equations: Equations = (
+        lambda fitted, demo, own, name: ()
+    )  #: how one point, (4,) px in [l r] and [L R], is recovered
+    crosses_lines: bool = False  #: whether a point is recovered at the intersection of its epipolar lines
+    condition_name: str = FLATNESS  #: what `condition` is
+    degenerate_message: str = FLAT  #: shown if `condition` is too large
+    conflict_equation: Callable[[float], Equation] | None = None  #: E px² → what replaces Eq. (6), if anything
+
+    def __post_init__(self) -> None:
+        self.title = self.title or name_of(self.fit)
+
+    def __call__(self, views: FourViews) -> FittedTransfer:
+        """Fit the transfer. Raises ValueError for coordinates that are not finite."""
+        if not (np.isfinite(views.demo).all() and np.isfinite(views.own).all()):
+            raise ValueError("a transfer needs points that are seen in all four views: take FourViews.used")
+        return self.fit(views)
+
+
+def name_of(function: Callable) -> str:
+    """Return the name of a function, or of a callable's class."""
+    return getattr(function, "__name__", type(function).__name__)
+
+
+def transfer_method(given: TransferMethod | TransferFunction) -> TransferMethod:
+    """Return a `TransferMethod` unchanged, or make one of a plain function of one posture's views. Raises TypeError for
+    anything else."""
+    if isinstance(given, TransferMethod):
+        return given
+    if not callable(given):
+        raise TypeError(f"a transfer is a function of FourViews or a TransferMethod, got {given!r}")
+    title = name_of(given)
+
+    @wraps(given)
+    def fit(views: FourViews) -> FittedTransfer:
+        return fit_function(given, title, views)
+
+    return TransferMethod(title=title, fit=fit)

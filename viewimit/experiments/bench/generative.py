@@ -25,7 +25,8 @@ from itertools import chain, islice
 import numpy as np
 from numpy.typing import NDArray
 
-from ...estimation.residuals import ResidualFunction, conflict
+from ...estimation.residuals import ResidualFunction
+from ...estimation.transfers.transfer import conflict
 from ...geometry.kinematics.bundle import levenberg_marquardt
 from ...servo.image_jacobian import MIN_STEP_RAD
 from ...servo.least_squares import minimise

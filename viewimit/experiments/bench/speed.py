@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.landscape import grid_axes, landscape_over
-from ...estimation.residuals import conflict
 from ...estimation.transfers import TRANSFERS
+from ...estimation.transfers.transfer import conflict
 from ...estimation.views import FourViews
 from ...loop.session import Session
 from ...loop.settings import Settings

@@ -25,7 +25,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...estimation.residuals import ResidualFunction, conflict
+from ...estimation.residuals import ResidualFunction
+from ...estimation.transfers.transfer import conflict
 from ...estimation.views import Pairs
 from ...geometry.kinematics.adjustment import MIN_POINTS, NOISE_FLOOR_PX
 from ...geometry.kinematics.loose_pair import LoosePair

@@ -36,10 +36,10 @@ from math import comb, prod
 import numpy as np
 from numpy.typing import NDArray
 
-from ...estimation.prediction import PredictedResiduals
 from ...estimation.rectification import fit_transfer
-from ...estimation.residuals import conflict
+from ...estimation.residuals import PredictedResiduals
 from ...estimation.transfers import TRANSFERS
+from ...estimation.transfers.transfer import conflict
 from ...estimation.views import FourViews, Pairs
 from ...geometry.assignment import assign, cheapest_pairs
 from ...geometry.kinematics.adjustment import KinematicsCovariance, with_likely_joints

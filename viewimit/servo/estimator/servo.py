@@ -15,7 +15,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...estimation.residuals import ResidualFunction, conflict
+from ...estimation.residuals import ResidualFunction
+from ...estimation.transfers.transfer import conflict
 from ...geometry.kinematics.clusters import Observations
 from ...geometry.kinematics.own_body import OwnBody, idle_joints, learn
 from ..certificate import Certificate

@@ -11,7 +11,8 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...estimation.residuals import ResidualFunction, conflict
+from ...estimation.residuals import ResidualFunction
+from ...estimation.transfers.transfer import conflict
 from ...estimation.views import Pairs, permute
 from ..least_squares import minimise, posture_grid
 

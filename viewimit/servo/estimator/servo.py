@@ -257,7 +257,7 @@ def repetition(seen: Observations) -> float:
     counts, distinct = seen.visible_in_both.sum(0), np.ones(seen.images.shape[1:])
     for k, column in enumerate(seen.images.reshape(len(seen.images), -1).T):
         distinct.flat[k] = len(np.unique(column[np.isfinite(column)]))
-    share = np.maximum(counts[:, None] / distinct, 1.0)[counts > 0]
+    share = np.maximum(counts[:, None] / np.maximum(distinct, 1), 1.0)[counts > 0]
     return float(np.sqrt(share.mean())) if len(share) else 1.0
 
 

@@ -7,7 +7,7 @@ import pytest
 from viewimit.app.model.computed import OwnLandscape
 from viewimit.app.model.queue import Beside, CommandQueue
 
-from viewimit.drawing.export.panels import COARSE_DEG, FINE_DEG, compute_landscape, make_landscape
+from viewimit.drawing.export.panels import make_landscape
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
@@ -60,10 +60,3 @@ def test_while_the_demonstrator_is_dragged_only_coarse_ones_are_made(own, worker
     own.take(last())
     assert len(worker.makes) == 4
     assert own.made.E_true == pytest.approx(float(make_landscape(session.world, session.snapshot).E_true))
-
-
-def test_a_coarse_one_has_a_sixteenth_of_the_postures_and_the_same_E_there(session):
-    coarse, fine = (compute_landscape(session.world, session.snapshot, step) for step in (COARSE_DEG, FINE_DEG))
-    assert coarse.E.size < fine.E.size / 12
-    corners = np.ix_([0, -1], [0, -1])
-    np.testing.assert_allclose(coarse.E[corners], fine.E[corners], rtol=1e-9)

@@ -3,7 +3,6 @@
 import io
 import socket
 import sys
-import threading
 
 import pytest
 from protocol import Client
@@ -13,8 +12,6 @@ from viewimit.app.server.address import (
     address_for_others,
     invite,
     is_loopback,
-    is_own_page,
-    own_names,
     path_of_page,
     require_free,
 )
@@ -60,18 +57,6 @@ def test_others_are_told_an_address_of_the_kind_that_the_server_listens_on(monke
     assert address_for_others("0.0.0.0", 8080) == "http://192.0.2.9:8080"
     assert address_for_others("::", 8080) == "http://[2001:db8::9]:8080"
     assert address_for_others("::1", 8080) is address_for_others("127.0.0.1", 8080) is None
-
-
-def test_a_page_is_let_in_while_the_network_has_not_told_this_machines_full_name(monkeypatch):
-    told = threading.Event()
-    monkeypatch.setattr(socket, "getfqdn", lambda: told.wait(20) and "Here.Example.ORG")
-    own_names.cache_clear()
-    assert is_own_page("http://localhost:8080", "localhost:8080", ())
-    assert not is_own_page("http://here.example.org:8080", "here.example.org:8080", ())
-    told.set()
-    wait_until(lambda: is_own_page("http://here.example.org:8080", "here.example.org:8080", ()))
-    monkeypatch.undo()
-    own_names.cache_clear()
 
 
 def test_who_lets_others_in_is_told_the_address_and_shown_its_code(capsys, monkeypatch):

@@ -1,13 +1,12 @@
 /** The crossing and its ellipse: two eyes give two lines, and a small angle between them makes the crossing uncertain.
- */
+
+ * @import {Fitted} from "../engine/transfers.js" @import {FigureKind} from "./frame.js" */
 import {DEGREE, Generator, geometry, World} from "../engine/engine.js";
 import {spreadOf} from "../lessons/figures/crossing.js";
 import {diamonds} from "../lessons/figures/drawing.js";
 import {Images} from "../view/images.js";
 import {fixed} from "../view/svg.js";
 import {imageOf, Overlay, sessionOf} from "./views.js";
-
-/** @import {Fitted} from "../engine/transfers.js" @import {FigureKind} from "./frame.js" */
 
 const POSE = [45 * DEGREE, -90 * DEGREE], HAND = 8, USUAL_CM = 60, USUAL_NOISE_PX = 1;
 const DRAWS = 100, SEED = 7, GRIP_PX = 28;
@@ -31,9 +30,7 @@ export function crossing(frame, data) {
     const {cameras} = data.baselines.reduce((a, b) => Math.abs(b.value - cm) < Math.abs(a.value - cm) ? b : a);
     return new World({...data.scene, cameras}, 10);
   }
-  function moment() {
-    return sessionOf(world, POSE, POSE).now;
-  }
+  function moment() { return sessionOf(world, POSE, POSE).now; }
   const mark = () => now.views.demo.slice(4 * HAND, 4 * HAND + 4).map((v, k) => v + shift[k]);
   const baselines = frame.slider({
     label: "Distance between the eyes", low: 10, high: 100, step: 5, value: baseline, text: value => `${value} cm`,

@@ -1,9 +1,8 @@
-/** A map of E that can be touched: the learner's dot, and the demonstrator's diamond where that may be moved. */
+/** A map of E that can be touched: the learner's dot, and the demonstrator's diamond where that may be moved.
+ * @import {World} from "../engine/world.js" @import {Frame} from "./frame.js" */
 import {Landscape} from "../engine/engine.js";
 import {EnergyMap} from "../view/map.js";
 import {touchMap} from "../view/drag.js";
-
-/** @import {World} from "../engine/world.js" @import {Frame} from "./frame.js" */
 
 /** What a screen reader says of a map. */
 export const KEYS = "Map of E. Arrow keys turn the learner’s joints by 1 degree, with Shift by 5.";

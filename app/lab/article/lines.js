@@ -1,5 +1,6 @@
 /** Two views and a line: a mark slides along its ray, stands still in one picture and walks along a line in the other.
- * @import {FigureKind} from "./frame.js" */
+ * @import {FigureKind} from "./frame.js"
+ * @typedef {[ArrayLike<number>, string]} Dot */
 import {DEGREE, geometry, projectPoint, World} from "../engine/engine.js";
 import {twoCameras} from "../lessons/rays.js";
 import {Images} from "../view/images.js";
@@ -11,8 +12,6 @@ const POSE = [45 * DEGREE, -90 * DEGREE], HAND = 8, GRIP_PX = 28;
 const TRAIL = 15, PLACES = 117; // dots of the trail; places on the ray that are tried under a finger
 const NEAR = 0.72, FAR = 1.3, FIRST = 1.2; // shares of the mark's distance
 const AZIMUTH = -78 * DEGREE, ELEVATION = 22 * DEGREE; // from where the outside is seen
-
-/** @typedef {[ArrayLike<number>, string]} Dot */
 
 /** @type {FigureKind} */
 export function lines(frame, data) {

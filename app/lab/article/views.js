@@ -1,9 +1,8 @@
-/** What several figures do with the four images: a moment to draw, a hand that is dragged, marks over a drawing. */
+/** What several figures do with the four images: a moment to draw, a hand that is dragged, marks over a drawing.
+ * @import {World} from "../engine/world.js" @import {Images} from "../view/images.js" */
 import {Session} from "../engine/engine.js";
 import {dots, polyline} from "../lessons/figures/drawing.js";
 import {add, px, set} from "../view/svg.js";
-
-/** @import {World} from "../engine/world.js" @import {Images} from "../view/images.js" */
 
 /** A session of the paper's transfer, for its snapshots.
  * @param {World} world @param {number[]} demonstrator @param {number[]} start @param {string} [servo] */

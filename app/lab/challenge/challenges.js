@@ -1,11 +1,10 @@
-/** The challenges of the lab's page: what its address opens, and the ways from them to the lab. */
+/** The challenges of the lab's page: what its address opens, and the ways from them to the lab.
+ * @typedef {import("../view/experiment.js").Offered & {hulls: Record<string, number[][]>}} Offered */
 import {make} from "../lessons/dom.js";
 import {beginning, toAddress} from "../view/address.js";
 import {addressOf, isPublic, Maker} from "./maker.js";
 import {asksForChallenge, SERVO, TRANSFER} from "./rules.js";
 import {Screen} from "./screen.js";
-
-/** @typedef {import("../view/experiment.js").Offered & {hulls: Record<string, number[][]>}} Offered */
 
 export class Challenges {
   /** @param {Offered} offered */

@@ -1,9 +1,8 @@
-/** One game of a challenge, without a document: where the arm is, what was made, and what is said of it. */
+/** One game of a challenge, without a document: where the arm is, what was made, and what is said of it.
+ * @import {World} from "../engine/world.js" @import {Challenge} from "./rules.js" */
 import {fixed} from "../view/svg.js";
 import {residualText, stepsText} from "../view/words.js";
 import {degreesOff, jointsOff, LEVELS, robotSteps, sessionOf} from "./rules.js";
-
-/** @import {World} from "../engine/world.js" @import {Challenge} from "./rules.js" */
 
 /** One square for each step: green there, yellow within 10°, orange within 30°, red beyond. @param {number[]} off degrees @param {number} withinDeg */
 export const squares = (off, withinDeg) =>
@@ -45,9 +44,7 @@ export class Game {
     this.isOver = this.isThere || this.made >= this.level.tries;
   }
 
-  get disagreement() {
-    return `The pictures disagree by ${residualText(this.moment.E)}`;
-  }
+  get disagreement() { return `The pictures disagree by ${residualText(this.moment.E)}`; }
 
   /** What the last step has brought, as px of the step before. */
   get change() {

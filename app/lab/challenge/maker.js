@@ -1,12 +1,11 @@
-/** "Challenge a friend": what makes a challenge of a pose, and gives its link. */
+/** "Challenge a friend": what makes a challenge of a pose, and gives its link.
+ * @import {Challenge, Level} from "./rules.js" @import {Scene} from "../engine/world.js" */
 import {World} from "../engine/engine.js";
 import {make} from "../lessons/dom.js";
 import {copy} from "../view/page.js";
 import {say} from "../view/svg.js";
 import {stepsText} from "../view/words.js";
 import {fromPose, LEVELS, POINTS, robotSteps, toLink} from "./rules.js";
-
-/** @import {Challenge, Level} from "./rules.js" @import {Scene} from "../engine/world.js" */
 
 /** The levels, side by side. @param {(level: Level) => void} choose */
 export function levelButtons(choose) {

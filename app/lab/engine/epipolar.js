@@ -3,11 +3,10 @@
  *
  * Five constraints, of the pairs (l, L), (r, L), (l, R), (r, R) and (L, R), make A u = -B c, Eq. (4), solved by least
  * squares. Two misprints: Eq. (5) lacks that minus, and in the last row of A the coefficients of L are f13, f23 and
- * those of R are f31, f32, printed the other way round. Points about their centroids empty all f33. */
+ * those of R are f31, f32, printed the other way round. Points about their centroids empty all f33.
+ * @import {Transfer, Fitted, Grid} from "./transfers.js" */
 import {leastSquares, svd} from "./algebra.js";
 import {centred, centroid, fundamentals, quickFundamentals, scatter, scatters} from "./affine.js";
-
-/** @import {Transfer, Fitted, Grid} from "./transfers.js" */
 
 const SINGULAR = 1e-3; // determinant of two unit-norm lines below which all five constraints are solved together
 

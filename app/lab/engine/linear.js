@@ -1,12 +1,11 @@
 /** Linear combination of views (Ullman & Basri 1991): each own image is an affine function of the demonstrator's shape.
  *
  * For affine cameras the centred [l r] = U Σ Vᵀ has rank 3, and the own images are the combination of U's first three
- * columns that is nearest to them. No lines are intersected, so none can be parallel. */
+ * columns that is nearest to them. No lines are intersected, so none can be parallel.
+ * @import {Transfer, Fitted, Grid} from "./transfers.js" */
 import {svd} from "./algebra.js";
 import {centred, centroid, scatter} from "./affine.js";
 import {mapped, meanSquare} from "./epipolar.js";
-
-/** @import {Transfer, Fitted, Grid} from "./transfers.js" */
 
 /** The demonstrator's affine shape.
  * @param {Float64Array} demo (4 N) px

@@ -2,11 +2,10 @@
  *
  * ŷᵢ = (a₀ + Aᵀuᵢ) / ρᵢ with ρᵢ = 1 + p·uᵢ. uᵢ are the affine coordinates of point i in [l r], and L and R share p. a₀
  * and A are linear given p, which comes from a few Gauss-Newton steps of variable projection (Golub & Pereyra 1973,
- * with Kaufman's Jacobian), held near 0, the affine camera, by a weak prior. */
+ * with Kaufman's Jacobian), held near 0, the affine camera, by a weak prior.
+ * @import {Transfer, Fitted, Grid} from "./transfers.js" */
 import {centred, centroid} from "./affine.js";
 import {affineShape} from "./linear.js";
-
-/** @import {Transfer, Fitted, Grid} from "./transfers.js" */
 
 const STEPS = 3;
 const PRIOR = 3e-4; // weight of |p|² beside the squared residuals, relative to the mean square of the centred own points

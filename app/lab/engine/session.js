@@ -93,9 +93,7 @@ export class Session {
   }
 
   /** Move the demonstrator, at any time: the learner looks again, and a servo at rest wakes up. @param {number[]} theta */
-  pose(theta) {
-    this.change({demonstrator: theta});
-  }
+  pose(theta) { this.change({demonstrator: theta}); }
 
   /** Go on with other settings from where the arm stands. A new servo begins to learn afresh.
    * @param {Partial<Settings>} changes */

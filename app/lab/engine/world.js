@@ -71,9 +71,7 @@ export class Observer {
   }
 
   /** @param {number[]} theta @param {number} look */
-  own(theta, look) {
-    return this.#disturbed(this.world.look("learner", theta), [OWN_STREAM, look]);
-  }
+  own(theta, look) { return this.#disturbed(this.world.look("learner", theta), [OWN_STREAM, look]); }
 
   /** How many looks to wait after a first motion until an image shows it, and whether that is known then: images of a
    * real camera may come late, and a learner cannot know before it has moved.
@@ -110,9 +108,7 @@ export class Observer {
 
 /** Stream of a posture, its angles in millionths of a degree: in another posture there is other noise.
  * @param {number[]} theta */
-function streamOf(theta) {
-  return theta.map(v => Math.floor(v * (180 / Math.PI) * 1e6 + 0.5) >>> 0);
-}
+function streamOf(theta) { return theta.map(v => Math.floor(v * (180 / Math.PI) * 1e6 + 0.5) >>> 0); }
 
 export const MAX_LOOKS_WAITED = MAX_LAG;
 

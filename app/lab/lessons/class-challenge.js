@@ -44,9 +44,7 @@ export class ClassChallenge {
   }
 
   /** @param {Place} place */
-  #challenge({seed, step}) {
-    return drawChallenge(this.world, seed, /** @type {Level} */ (step));
-  }
+  #challenge({seed, step}) { return drawChallenge(this.world, seed, /** @type {Level} */ (step)); }
 
   /** Where this page's game is, as a class is told of a step; null for no game. */
   where() {

@@ -163,9 +163,7 @@ export class Lecturer {
     this.panel.dataset.key = "";
   }
 
-  #hide() {
-    this.order("hide", {on: !this.room.orders.hidden});
-  }
+  #hide() { this.order("hide", {on: !this.room.orders.hidden}); }
 
   #showAnswers() {
     this.showsAnswers = !this.showsAnswers;

@@ -151,9 +151,7 @@ class Classroom {
   }
 
   /** @param {string} name */
-  #lessonOf(name) {
-    return this.lesson.lessons().find((/** @type {any} */ one) => one.name === name);
-  }
+  #lessonOf(name) { return this.lesson.lessons().find((/** @type {any} */ one) => one.name === name); }
 
   /** The lecturer's screen, to all, when it has changed. */
   #lead() {

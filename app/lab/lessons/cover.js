@@ -48,9 +48,7 @@ export class Cover extends StillScreen {
   }
 
   /** @returns {Button} */
-  primary() {
-    return {words: this.words, key: "↵", filled: true, act: this.start};
-  }
+  primary() { return {words: this.words, key: "↵", filled: true, act: this.start}; }
 }
 
 /** With both rounds of its questions. @param {Lesson} lesson */

@@ -1,7 +1,6 @@
-/** The addresses at which the lab, and the page of viewimit, open in the state of a step. */
+/** The addresses at which the lab, and the page of viewimit, open in the state of a step.
+ * @import {Stage} from "./stage.js" @import {State} from "../view/address.js" */
 import {fieldsOf, pageLink} from "../view/address.js";
-
-/** @import {Stage} from "./stage.js" @import {State} from "../view/address.js" */
 
 /** @param {Stage} stage @param {string} preset @returns {State} */
 function stateOf({moment, session: {settings}, state}, preset) {

@@ -1,20 +1,5 @@
-/** Lessons: which screen is shown, what the keys do, and what others may ask of the page. */
-import {isAnswered, isRight, roundsOf} from "./answers.js";
-import {inline, make, plain} from "./dom.js";
-import {labAddress, viewimitAddress} from "./elsewhere.js";
-import {FIGURES} from "./figures/registry.js";
-import {grade} from "./measures.js";
-import {printable} from "./paper.js";
-import {QUESTION_S} from "./questions.js";
-import {Cover} from "./cover.js";
-import {EndScreen, QuestionScreen} from "./screens.js";
-import {Stage} from "./stage.js";
-import {StepScreen} from "./step-screen.js";
-import {Store} from "./store.js";
-import {isForPage} from "../view/keys.js";
-import {byId as $, fault, unpacked} from "../view/page.js";
-
-/** @import {Lesson, Step, Mark, Answer, Page, Round} from "./stage.js" @import {KeptStep} from "./store.js" @import {Given} from "./questions.js" @import {Screen, Course} from "./step-screen.js"
+/** Lessons: which screen is shown, what the keys do, and what others may ask of the page.
+ * @import {Lesson, Step, Mark, Answer, Page, Round} from "./stage.js" @import {KeptStep} from "./store.js" @import {Given} from "./questions.js" @import {Screen, Course} from "./step-screen.js"
  * @typedef {Page & {lessons: Lesson[], start?: string, catalogue?: {name: string, title:
  * string, short: string, about: string, afterwards: string, minutes: number, here: boolean}[]}} Data catalogue: all
  * lessons that are served, those here and others
@@ -35,6 +20,20 @@ import {byId as $, fault, unpacked} from "../view/page.js";
  * @property {number} run
  * @typedef {{counts: number[]} | {marks: Mark[]} | null} Others what a class has answered: how often each answer was
  * given, or where marks were made */
+import {isAnswered, isRight, roundsOf} from "./answers.js";
+import {inline, make, plain} from "./dom.js";
+import {labAddress, viewimitAddress} from "./elsewhere.js";
+import {FIGURES} from "./figures/registry.js";
+import {grade} from "./measures.js";
+import {printable} from "./paper.js";
+import {QUESTION_S} from "./questions.js";
+import {Cover} from "./cover.js";
+import {EndScreen, QuestionScreen} from "./screens.js";
+import {Stage} from "./stage.js";
+import {StepScreen} from "./step-screen.js";
+import {Store} from "./store.js";
+import {isForPage} from "../view/keys.js";
+import {byId as $, fault, unpacked} from "../view/page.js";
 
 const WORDS_A_MINUTE = 200, LOOKING_S = 25, ACTING_S = 50, ROUND_S = 15; // of a step: to estimate the time that is left
 const FIRST_SEEDS = 97, MAX_SHARED = 60; // motions that others are sent

@@ -42,9 +42,7 @@ const outcome = stage => Number(measure(stage, stage.step.ask.truth ?? "").value
 
 /** Where the mark or another place is on the map of E.
  * @param {Stage} stage @param {ArrayLike<number> | null} theta rad */
-function energyAt(stage, theta) {
-  return theta ? stage.session.observe(Array.from(theta)).E : NaN;
-}
+function energyAt(stage, theta) { return theta ? stage.session.observe(Array.from(theta)).E : NaN; }
 
 /** @type {Record<string, Measure>} */
 export const MEASURES = {

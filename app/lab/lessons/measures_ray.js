@@ -3,10 +3,8 @@
 import {symmetricEigen} from "../engine/algebra.js";
 import {DEGREE, World} from "../engine/engine.js";
 import {placed, measured} from "./measured.js";
-import {
-  angleBetween, camerasOf, epipole, LAST_SHARE, markOf, marksOf, movedInPicture1, onRay, pencil,
-  rayLine, seenFromOutside, targetOf, twoCameras,
-} from "./rays.js";
+import {angleBetween, camerasOf, epipole, LAST_SHARE, markOf, marksOf, movedInPicture1, onRay, pencil, rayLine,
+  seenFromOutside, targetOf, twoCameras} from "./rays.js";
 import {projectPoint} from "../engine/camera.js";
 
 const DIFFERENT_DEG = [25, -45]; // a posture that is not the demonstrator's, as in the tour

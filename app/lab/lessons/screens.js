@@ -12,9 +12,7 @@ export class StillScreen {
   key(_event) { return false; }
 
   /** @returns {Button} */
-  primary() {
-    return {words: "", act: () => {}};
-  }
+  primary() { return {words: "", act: () => {}}; }
 
   /** @returns {Button | null} */
   skip() { return null; }
@@ -59,9 +57,7 @@ export class QuestionScreen extends StillScreen {
   }
 
   /** @returns {Button} */
-  skip() {
-    return {words: "Skip the questions", act: this.acts.skipAll};
-  }
+  skip() { return {words: "Skip the questions", act: this.acts.skipAll}; }
 }
 
 /** What one can say now, and the review of the questions. */
@@ -95,7 +91,5 @@ export class EndScreen extends StillScreen {
   }
 
   /** @returns {Button} */
-  primary() {
-    return {words: "All lessons", key: "↵", filled: true, act: this.leave};
-  }
+  primary() { return {words: "All lessons", key: "↵", filled: true, act: this.leave}; }
 }

@@ -1,8 +1,7 @@
-/** The solution for a visitor who needs it: where the sliders reach the goal. */
+/** The solution for a visitor who needs it: where the sliders reach the goal.
+ * @import {Stage} from "./stage.js" */
 import {isReached} from "./answers.js";
 import {measure} from "./measures.js";
-
-/** @import {Stage} from "./stage.js" */
 
 const GRID = 9, ROUNDS = 40, MIN_SHARE = 1e-4; // values of a slider at first; rounds of a search that halves its steps
 

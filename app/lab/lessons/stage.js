@@ -185,9 +185,7 @@ export class Stage {
   }
 
   /** How many motions were made by hand. */
-  get steps() {
-    return this.motions.filter(({shown}) => !shown).length - 1;
-  }
+  get steps() { return this.motions.filter(({shown}) => !shown).length - 1; }
 
   /** Whether the arm has come here without a hand. */
   get isShown() { return Boolean(this.motions[this.motions.length - 1].shown); }

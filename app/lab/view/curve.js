@@ -1,11 +1,10 @@
-/** E after every step, on a logarithmic scale, and the joints' angles. */
+/** E after every step, on a logarithmic scale, and the joints' angles.
+ * @typedef {{E: number, probe: boolean, motion: number}} Step */
 import {add, DEGREE, energyText, fixed, px, set} from "./svg.js";
 
 const PAD = {left: 4, top: 7, right: 8, bottom: 5}, MIN_STEPS = 8, MIN_E = 1e-3, LABEL_PX = 34, MAX_DOTS = 60;
 const ROOM_PX = 13; // between two labels
 const MIN_DEG = 20; // that the plot of angles spans at least
-
-/** @typedef {{E: number, probe: boolean, motion: number}} Step */
 
 /** A plot over the motions of a run, as wide as its box. */
 class Plot {

@@ -1,9 +1,8 @@
-/** What a pointer takes hold of: points in the images, the learner's dot on the map, hands and elbows in the scene. */
+/** What a pointer takes hold of: points in the images, the learner's dot on the map, hands and elbows in the scene.
+ * @import {Lab} from "./lab.js" @import {Who} from "./space.js" */
 import {reachFor, transform} from "../engine/engine.js";
 import {draggable, pulled, touchMap} from "./drag.js";
 import {byId as $} from "./page.js";
-
-/** @import {Lab} from "./lab.js" @import {Who} from "./space.js" */
 
 const GRIP_PX = 30, HAND_PX = 8; // around what can be gripped in the scene, and by how much farther the hand can
 const MOVED_PX = 4; // a drag is longer

@@ -1,10 +1,9 @@
-/** What the lab is about: a preset with its changes, its scene, the session, and the address that says it. */
+/** What the lab is about: a preset with its changes, its scene, the session, and the address that says it.
+ * @import {State, Preset} from "./address.js" @import {Moment, Settings} from "../engine/session.js" @import {Scene} from "./view.js"
+ * @typedef {{scenes: Record<string, Scene>, presets: Preset[]}} Offered */
 import {DEGREE, select, Session, World} from "../engine/engine.js";
 import {beginning, fromAddress, pageLink, toAddress} from "./address.js";
 
-
-/** @import {State, Preset} from "./address.js" @import {Moment, Settings} from "../engine/session.js" @import {Scene} from "./view.js"
- * @typedef {{scenes: Record<string, Scene>, presets: Preset[]}} Offered */
 
 export class Experiment {
   /** @param {Offered} offered @param {string} address */
@@ -78,9 +77,7 @@ export class Experiment {
   }
 
   /** The learner begins again from a posture. @param {number[]} theta */
-  place(theta) {
-    this.#begin({demonstrator: this.now.thetaDemo, start: snapped(theta)});
-  }
+  place(theta) { this.#begin({demonstrator: this.now.thetaDemo, start: snapped(theta)}); }
 
   /** Another law begins to learn from where the run began. @param {string} servo */
   setServo(servo) {

@@ -1,10 +1,9 @@
-/** The lab's fields: what can be tried, how the learner learns, and what spoils its pictures. */
+/** The lab's fields: what can be tried, how the learner learns, and what spoils its pictures.
+ * @import {Lab} from "./lab.js" */
 import {beginning} from "./address.js";
 import {byId as $} from "./page.js";
 import {fixed, say} from "./svg.js";
 import {SERVO_WORDS, TRANSFER_WORDS} from "./words.js";
-
-/** @import {Lab} from "./lab.js" */
 
 export class Form {
   /** @param {Lab} lab */

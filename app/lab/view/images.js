@@ -149,9 +149,7 @@ export class Images {
   }
 
   /** @param {number} k 0 … 3 for l, r, L, R, of which there must be a box */
-  view(k) {
-    return /** @type {Images["views"][number]} */ (this.views.find(view => view.k === k));
-  }
+  view(k) { return /** @type {Images["views"][number]} */ (this.views.find(view => view.k === k)); }
 
   /** Where a place of an image is drawn, in its drawing's units.
    * @param {number} k the view @param {number} x px @param {number} y px @returns {[number, number]} */

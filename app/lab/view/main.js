@@ -1,5 +1,7 @@
 /** Where the page's script begins: it unpacks what the file holds, and opens the lab or a replay on it.
- * @import {Common} from "./view.js" @import {Offered} from "./experiment.js" @import {Run} from "./recorded.js" @import {State} from "./address.js" */
+ * @import {Common} from "./view.js" @import {Offered} from "./experiment.js" @import {Run} from "./recorded.js" @import {State} from "./address.js"
+ * @typedef {Common & Offered & {run?: Run, words?: string}} Data run: of a replay, whose presets are empty where
+ * the lab cannot take over; words: the glossary, in HTML */
 import {Challenges} from "../challenge/challenges.js";
 import {today} from "../challenge/screen.js";
 import {listen, returnFocus} from "./keys.js";
@@ -7,9 +9,6 @@ import {Lab} from "./lab.js";
 import {byId as $, fault, unpacked} from "./page.js";
 import {Replay} from "./replay.js";
 import {View} from "./view.js";
-
-/** @typedef {Common & Offered & {run?: Run, words?: string}} Data run: of a replay, whose presets are empty where
- * the lab cannot take over; words: the glossary, in HTML */
 
 /** @param {Data} data @param {ArrayBuffer} meshes */
 function begin(data, meshes) {

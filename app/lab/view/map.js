@@ -1,9 +1,7 @@
-/** The landscape of E: shading and contours on a canvas, marks over it as SVG. */
+/** The landscape of E: shading and contours on a canvas, marks over it as SVG.
+ * @typedef {Pick<import("../engine/landscape.js").Landscape, "axes" | "count" | "E" | "minimum" | "posture">} Ground */
 import {clamp, DEGREE} from "../engine/engine.js";
 import {add, diamonds, drawingUnit, escaped, px, set} from "./svg.js";
-
-/** @typedef {Pick<import("../engine/landscape.js").Landscape, "axes" | "count" | "E" | "minimum" | "posture">} Ground
- */
 
 /** @typedef {{clientX: number, clientY: number}} Pointer */
 

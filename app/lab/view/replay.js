@@ -1,5 +1,6 @@
 /** A replay: the lab's view of a recorded run, a time bar under it, and the way into the lab from any of its snapshots.
- */
+
+ * @import {Run} from "./recorded.js" @import {State} from "./address.js" @import {View, Scene} from "./view.js" */
 import {World} from "../engine/engine.js";
 import {Angles} from "./curve.js";
 import {listen} from "./keys.js";
@@ -8,8 +9,6 @@ import {Recorded} from "./recorded.js";
 import {Sliders} from "./sliders.js";
 import {energyText, fixed, say, smoothstep} from "./svg.js";
 import {residualText, SERVO_WORDS, TRANSFER_WORDS, verdicts} from "./words.js";
-
-/** @import {Run} from "./recorded.js" @import {State} from "./address.js" @import {View, Scene} from "./view.js" */
 
 const GLIDE = 0.75; // share of a motion's time in which the arm moves
 /** Motions a second, of runs of more motions than these. */

@@ -52,9 +52,7 @@ export class Sliders {
   }
 
   /** They only show angles from now on. */
-  lock() {
-    for (const {input} of this.rows) input.disabled = true;
-  }
+  lock() { for (const {input} of this.rows) input.disabled = true; }
 
   /** @param {number[]} theta @param {number[]} goal */
   show(theta, goal) {

@@ -1,5 +1,12 @@
 /** How a moment looks: four images, the map of E, its curve, the joints and both robots in 3-D, in the lab and in
- * replays. */
+ * replays.
+ * @import {Vector, Who, Stage} from "./space.js" @import {Picture} from "./images.js" @import {World} from "../engine/world.js"
+ * @import {Line} from "../engine/affine.js"
+ * @typedef {import("../engine/world.js").Scene & {stage: Stage, page?: {scene: string, layouts:
+ * string[]}}} Scene page: how the page of viewimit names it
+ * @typedef {{robot: import("./space.js").Common, hulls: Record<string, number[][]>}} Common of all scenes of a robot
+ * @typedef {Picture & {rays: boolean, isChosen?: boolean}} Shown rays: whether each point is
+ * joined with its images in 3-D; isChosen: whether the visitor chose the point */
 import {backProject, transform, triangulate} from "../engine/engine.js";
 import {Curve} from "./curve.js";
 import {Images, outermost, silhouette} from "./images.js";
@@ -8,14 +15,6 @@ import {byId as $} from "./page.js";
 import {Outside} from "./outside.js";
 import {openSpace} from "./space.js";
 import {drawingUnit, fixed, px, say, set} from "./svg.js";
-
-/** @import {Vector, Who, Stage} from "./space.js" @import {Picture} from "./images.js" @import {World} from "../engine/world.js"
- * @import {Line} from "../engine/affine.js"
- * @typedef {import("../engine/world.js").Scene & {stage: Stage, page?: {scene: string, layouts:
- * string[]}}} Scene page: how the page of viewimit names it
- * @typedef {{robot: import("./space.js").Common, hulls: Record<string, number[][]>}} Common of all scenes of a robot
- * @typedef {Picture & {rays: boolean, isChosen?: boolean}} Shown rays: whether each point is
- * joined with its images in 3-D; isChosen: whether the visitor chose the point */
 
 const IN_3D = "viewimit-in-3d"; // what the browser keeps of a visitor who wants 3-D though it is slow
 const PLATE_M = 0.17; // from a camera to its image plate, times the size of the scene

@@ -1,10 +1,9 @@
-/** What the page says of a moment, in sentences. */
+/** What the page says of a moment, in sentences.
+ * @import {Moment} from "../engine/session.js" */
 import METHODS from "../../../assets/lab/methods.json" with {type: "json"};
 import VERDICTS from "../../../assets/verdicts.json" with {type: "json"};
 import {DEGREE, MIN_POINTS} from "../engine/engine.js";
 import {fixed} from "./svg.js";
-
-/** @import {Moment} from "../engine/session.js" */
 
 const EXACT_DEG = 0.05;
 

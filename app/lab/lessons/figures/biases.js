@@ -1,6 +1,7 @@
 /** How far the smallest E is from the demonstrator, over the distance of the eyes: a curve for each transfer, both
  * scales logarithmic, with the present distance and what the visitor said.
- * @import {Stage, FigureKind} from "../stage.js" */
+ * @import {Stage, FigureKind} from "../stage.js"
+ * @typedef {{times: number[], degrees: Record<string, number[]>}} Biases */
 import {fixed, px} from "../../view/svg.js";
 import {stageSmallest} from "../maps.js";
 import {short} from "../measured.js";
@@ -15,8 +16,6 @@ const ASKED = 10; // times the distance
 const DEGREES = [.01, .1, 1, 10], TIMES = [1, 3, 10, 30];
 const STYLES = new Map([["epipolar", "used"], ["linear", "second"], ["rank3", "third"], ["projective", "exact"]]);
 const HEAD = 8, FOOT = 46, LEFT = 48, BESIDE_FROM = 520; // units; from this width on, names stand beside their curves
-
-/** @typedef {{times: number[], degrees: Record<string, number[]>}} Biases */
 
 /** @type {FigureKind} */
 export const BIASES = {

@@ -134,9 +134,7 @@ export function mapOfFirst(stage, count) {
 }
 
 /** The world with all points nearly in the plane in which the arm moves. @param {Stage} stage */
-function flatWorld(stage) {
-  return worldWith(stage.world, "plane", () => pressed(stage));
-}
+function flatWorld(stage) { return worldWith(stage.world, "plane", () => pressed(stage)); }
 
 /** @param {Stage} stage */
 function planeMap(stage) {

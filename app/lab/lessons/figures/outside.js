@@ -3,9 +3,8 @@
  * @import {Stage, FigureKind, Mark} from "../stage.js" @import {Camera} from "../../engine/camera.js" */
 import {Outside} from "../../view/outside.js";
 import {add, px} from "../../view/svg.js";
-import {
-  camerasOf, FIRST_SHARE, LAST_SHARE, MARKS, markOf, marksOf, onRay, OUTSIDE, outsideMark, PLACES, sliding, targetOf,
-} from "../rays.js";
+import {camerasOf, FIRST_SHARE, LAST_SHARE, MARKS, markOf, marksOf, onRay, OUTSIDE, outsideMark, PLACES, sliding,
+  targetOf} from "../rays.js";
 import {Names} from "./names.js";
 import {circles} from "./drawing.js";
 

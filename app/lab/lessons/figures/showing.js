@@ -41,9 +41,7 @@ class Gains {
     });
   }
 
-  resize() {
-    this.panels.forEach(({plane}) => plane.measure());
-  }
+  resize() { this.panels.forEach(({plane}) => plane.measure()); }
 
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {

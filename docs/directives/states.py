@@ -22,7 +22,9 @@ class State:
 STATES = {
     "begin": State(Settings.paper(start_deg=(25, -45)), chosen=6, lab="preset=paper&demo=45,-90&start=25,-45&point=6"),
     "best": State(Settings(start_deg=(25, -45)), runs=True),
-    "unobservable": State(Settings(points=5, start_deg=(25, -45)), runs=True),
+    "unobservable": State(
+        Settings(points=5, joints=(4, 7), demonstrator_deg=(-80, 30), start_deg=(-50, 60)), runs=True
+    ),
     "toed-in": State(Settings(scene="panda-toed", start_deg=(25, -45))),
 }
 

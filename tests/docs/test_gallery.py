@@ -14,5 +14,5 @@ def test_the_runs_end_as_they_are_said_to():
     assert {name for name, end in ends.items() if end.status == "converged"} == arrived
     assert max(off[name] for name in arrived) < 0.5 < off["conflict"] < 3  # the transfer's own error
     assert off["as-printed"] > 5 and ends["as-printed"].status == "moving"
-    assert off["cannot-tell"] > 5 and ends["cannot-tell"].E < 0.01 and ends["cannot-tell"].status == "unobservable"
+    assert off["cannot-tell"] > 5 and ends["cannot-tell"].status == "unobservable"
     assert {path.stem for path in (gallery.DOCS / gallery.FOLDER).glob("*.webp")} == ends.keys()

@@ -15,7 +15,7 @@ class ServoStatus(str, Enum):
     MOVING = "moving"
     """The servo asks for motions."""
     CONVERGED = "converged"
-    """The learner claims to have arrived: a certificate says that E rises in every direction."""
+    """The learner claims to have arrived: noise explains all images, and the expected error is small."""
     SETTLED = "settled"
     """The servo rests, mostly because its next motion would be short. It has no evidence of having arrived."""
     UNOBSERVABLE = "unobservable"

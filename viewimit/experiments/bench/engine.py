@@ -87,6 +87,11 @@ def claims_nothing(run: Run) -> bool:
     return not run.claimed
 
 
+def claims_nothing_false(run: Run) -> bool:
+    """Promise of a case that may not determine the posture."""
+    return not run.false
+
+
 @dataclass(frozen=True)
 class Says:
     """Promise of a case: the learner gives this reason, and no false claim."""

@@ -22,7 +22,7 @@ def drive(name, world, motions, noise_px=0.0, hidden=(), limits=None):
     """Yield (state, observation, next state, displacement) of a run in a linear world."""
     servo, theta, state = SERVOS[name], np.zeros(len(world.aim)), None
     for motion in range(motions):
-        seen = replace(world.observe(theta, motion), noise_px=noise_px)
+        seen = replace(world.seen(theta, motion), noise_px=noise_px)
         seen = seen if limits is None else replace(seen, lower=limits[0], upper=limits[1])
         if motion in hidden:
             seen = replace(seen, own=np.full_like(seen.own, np.nan), seen=np.zeros_like(seen.seen), E=np.nan)
@@ -64,11 +64,11 @@ def test_a_target_that_moved_is_found_without_new_probes_and_within_the_limits(n
     *_, (_, seen, state, displacement) = drive(name, world, 40)
     world.aim = world.aim + (0.1, -0.15)
     theta = seen.displacement + displacement
-    seen = world.observe(theta, 41)
+    seen = world.seen(theta, 41)
     state = servo.retarget(state, seen)
     assert state.status == ServoStatus.MOVING and not state.probe
     for motion in range(41, 47):
-        state, step = servo.step(state, world.observe(theta, motion), world.residuals)
+        state, step = servo.step(state, world.seen(theta, motion), world.residuals)
         theta = theta + step
         assert (np.abs(theta) <= world.limit + 1e-12).all()
         assert not state.probe
@@ -101,9 +101,9 @@ def test_a_loop_written_from_the_docstring_runs(name, noise_px):
     """`residuals(own)`, E, images, displacements: all a law needs."""
     servo, world = SERVOS[name], LinearWorld(2, np.random.default_rng(5), 7)
     theta, found = np.zeros(2), []
-    state = servo.start(replace(world.observe(theta, 0), noise_px=noise_px))
+    state = servo.start(replace(world.seen(theta, 0), noise_px=noise_px))
     for motion in range(40):
-        seen = replace(world.observe(theta, motion), noise_px=noise_px)
+        seen = replace(world.seen(theta, motion), noise_px=noise_px)
         found.append(seen.E)
         state, displacement = servo.step(state, seen, world.residuals)
         assert displacement.shape == (2,) and isinstance(state.probe, bool)

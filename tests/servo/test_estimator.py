@@ -107,7 +107,7 @@ def test_bodies_without_rigid_links_are_not_claimed():
     world, theta, state = LinearWorld(2, np.random.default_rng(4), 9), np.zeros(2), None
     servo = SERVOS["likelihood"]
     for motion in range(40):
-        seen = replace(world.observe(theta, motion), noise_px=0.1)
+        seen = replace(world.seen(theta, motion), noise_px=0.1)
         state = servo.start(seen) if state is None else state
         state, step = servo.step(state, seen, world.residuals)
         if not step.any():

@@ -19,9 +19,9 @@ LAWS = {"kalman": Kalman(), "gauss-newton": GaussNewton()}
 @pytest.mark.parametrize("name", LAWS)
 def test_one_probe_for_each_joint_determines_a_linear_jacobian_and_the_next_motions_arrive(name, m):
     world, law, theta = LinearWorld(m, np.random.default_rng(m), 6), LAWS[name], np.zeros(m)
-    state = law.start(world.observe(theta, 0))
+    state = law.start(world.seen(theta, 0))
     for motion in range(m + 4):
-        state, step = law.step(state, world.observe(theta, motion), world.residuals)
+        state, step = law.step(state, world.seen(theta, motion), world.residuals)
         assert state.probe == (motion < m)
         theta = theta + step
         if motion == m:
@@ -37,7 +37,7 @@ def test_a_joint_at_its_limit_is_held_and_the_others_minimise_E(name):
     theta = np.zeros(2)
 
     def observe(motion):
-        return replace(world.observe(theta, motion), upper=np.array([0.1, 2.0]))
+        return replace(world.seen(theta, motion), upper=np.array([0.1, 2.0]))
 
     state = law.start(observe(0))
     for motion in range(25):
@@ -51,13 +51,13 @@ def test_a_joint_at_its_limit_is_held_and_the_others_minimise_E(name):
 
 def test_a_motion_that_raises_E_increases_the_damping_and_shortens_motions():
     world, law, theta = LinearWorld(2, np.random.default_rng(4), 6), GaussNewton(), np.zeros(2)
-    state = law.start(world.observe(theta, 0))
+    state = law.start(world.seen(theta, 0))
     for motion in range(3):
-        state, step = law.step(state, world.observe(theta, motion), world.residuals)
+        state, step = law.step(state, world.seen(theta, motion), world.residuals)
         if motion < 2:
             theta = theta + step
-    lower, _ = law.step(state, replace(world.observe(theta, 3), E=state.previous_E / 2), world.residuals)
-    higher, again = law.step(state, replace(world.observe(theta, 3), E=state.previous_E * 2), world.residuals)
+    lower, _ = law.step(state, replace(world.seen(theta, 3), E=state.previous_E / 2), world.residuals)
+    higher, again = law.step(state, replace(world.seen(theta, 3), E=state.previous_E * 2), world.residuals)
     assert lower.damping < state.damping < higher.damping
     J = world.J.reshape(-1, 2)
     normal, gradient = J.T @ J, J.T @ world.residuals(world.images(theta)).ravel()

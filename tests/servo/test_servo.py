@@ -20,23 +20,23 @@ from viewimit.simulation.world import World
 def test_broyden_finds_a_linear_image_map_by_one_probe_a_joint_and_then_its_target(m):
     world, servo = LinearWorld(m, np.random.default_rng(m), 6), Broyden()
     theta = np.zeros(m)
-    state = servo.start(world.observe(theta, 0))
+    state = servo.start(world.seen(theta, 0))
     for motion in range(m + 2):
-        state, step = servo.step(state, world.observe(theta, motion), world.residuals)
+        state, step = servo.step(state, world.seen(theta, motion), world.residuals)
         assert state.probe == (motion < m)
         if motion == m:
             np.testing.assert_allclose(state.model.jacobian, world.J, atol=1e-8)
         theta = theta + step
     assert np.degrees(np.abs(theta - world.aim)).max() < 0.1
-    state, step = servo.step(state, world.observe(theta, m + 2), world.residuals)
+    state, step = servo.step(state, world.seen(theta, m + 2), world.residuals)
     assert state.status == "settled" and not step.any()  # that the next step is small is no evidence
 
 
 def test_broyden_does_not_learn_from_points_that_were_not_seen():
     world, servo = LinearWorld(2, np.random.default_rng(5), 6), Broyden()
-    seen = world.observe(np.zeros(2), 0)
+    seen = world.seen(np.zeros(2), 0)
     state, step = servo.step(servo.start(seen), seen, world.residuals)
-    after = world.observe(step, 1)
+    after = world.seen(step, 1)
     hidden = after.seen.copy()
     hidden[0, 1] = False  # the first point, in [R]
     own = after.own.copy()

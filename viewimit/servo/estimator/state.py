@@ -18,6 +18,7 @@ from .hypotheses import Estimate
 from .options import EstimatorOptions
 
 Displacement = NDArray[np.float64]
+SAME = 1e-9  # rad, between two visits of one posture
 MAX_SWAPPED = 2  # points that count as swapped; more are mixed up
 
 
@@ -79,9 +80,13 @@ class EstimatorState:
         if last is not None and np.array_equal(last.displacement, here.displacement):
             same = np.array_equal(last.own, here.own, equal_nan=True)
             return replace(state, visits=(*self.visits[:-1], here)), not same
-        over = max(len(self.visits) + 1 - options.max_visits, 0)
+        kept = self.visits
+        if see.noise_px == 0:  # the same posture again tells nothing of what moves a point
+            others = (v for v in kept[self.n_calibration :] if np.abs(v.displacement - here.displacement).max() > SAME)
+            kept = (*self.calibration, *others)
+        over = max(len(kept) + 1 - options.max_visits, 0)
         n_calibration = max(self.n_calibration - over, 0)
-        return replace(state, visits=(*self.visits[over:], here), n_calibration=n_calibration), True
+        return replace(state, visits=(*kept[over:], here), n_calibration=n_calibration), True
 
     def with_estimate(self, best: Estimate | None) -> "EstimatorState":
         """Keep the likeliest hypothesis, and say why the images are not of the same body with an exact arm."""

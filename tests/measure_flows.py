@@ -3,7 +3,6 @@
 PYTHONPATH=tests python tests/measure_flows.py    # --files names them
 """
 
-import argparse
 import sys
 import threading
 from pathlib import Path
@@ -91,16 +90,9 @@ def reload() -> set[str]:
 FLOWS = {"slider -> pose": (slider_to_pose, 8), "Play -> panels": (play_to_panels, 20), "reload": (reload, 12)}
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--files", action="store_true", help="name them")
-    names = parser.parse_args().files
+if __name__ == "__main__":
     for flow, (run, most) in FLOWS.items():
         found = run()
         print(f"{flow}: {len(found)} files of app/; {most} are the aim")
-        if names:
+        if "--files" in sys.argv:
             print(*(f"    {file}" for file in sorted(found)), sep="\n")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,6 +1,6 @@
 """What one pass of the loop enters: files of viewimit/, functions, calls, and frames below `Session.step`.
 
-python tests/measure_pass.py    # --servo NAME, --noise PX, --motion K; --files names the files, --calls each function
+python tests/measure_pass.py    # --servo NAME, --noise PX, --motion K; --files names the files
 """
 
 import argparse
@@ -56,16 +56,12 @@ def main() -> None:
     parser.add_argument("--noise", type=float, default=0.0, help="px")
     parser.add_argument("--motion", type=int, default=3, help="which motion of the run")
     parser.add_argument("--files", action="store_true")
-    parser.add_argument("--calls", action="store_true")
     asked = parser.parse_args()
     found = measure(Settings(servo=asked.servo, noise_px=asked.noise), asked.motion)
     calls = sum(found.calls.values())
     print(f"{len(found.files)} files, {len(found.calls)} functions, {calls} calls, {found.depth} frames deep")
-    for file, count in sorted(found.files.items()) if asked.files or asked.calls else ():
+    for file, count in sorted(found.files.items()) if asked.files else ():
         print(f"{count:5}  {file}")
-        for (where, name), times in sorted(found.calls.items()) if asked.calls else ():
-            if where == file:
-                print(f"{times:9}  {name}")
 
 
 if __name__ == "__main__":

@@ -78,23 +78,6 @@ def test_where_e_stays_large_it_begins_at_every_start_and_returns_to_the_end_wit
     assert len(been) - 1 == 5 * 2 + 4 + (min(ends, key=E_at) is not ends[-1])
 
 
-def test_it_ends_at_the_first_end_with_a_small_e():
-    law = Descends()
-    starts = far_postures(observation(np.zeros(2), 1.0, 0), 4, np.random.default_rng([0, 1, 2]))
-    good = starts[1] + np.radians([2.0, 0.0])
-    been, state = driven(law, lambda theta: 0.0 if np.abs(theta - good).max() < 1e-9 else 9.0)
-    assert len(law.begun) == 3 and state.status == "settled"
-    np.testing.assert_allclose(been[-1], good)
-
-
-@pytest.mark.parametrize("max_motions", [7, 8, 9])  # at a start, in a descent, at its end
-def test_the_last_motion_of_a_run_is_the_return(max_motions):
-    E_at = lambda theta: 1.0 + float(np.abs(theta).max())  # smallest at the first end
-    been, state = driven(Descends(), E_at, max_motions)
-    assert len(been) == max_motions + 1
-    np.testing.assert_allclose(been[-1], np.radians([2.0, 0.0]))
-
-
 def test_starts_are_the_same_for_all_laws_and_far_from_each_other():
     seen = observation(np.radians([80.0, 50.0]), 1.0, 0)
     first = Restarts(ServoMethod(servo=Descends()), (4, 7), 50).start(seen)

@@ -23,21 +23,6 @@ def test_seven_joints_are_imitated_at_once_and_then_checked_one_by_one(postures)
         assert last.status == "converged" and error_deg(last) < 0.01 and last.motion <= 7 + 2
 
 
-def test_two_joints_need_five_postures():
-    """Three to know how the joints turn the points, two more that are far apart."""
-    motions = []
-    for seed in range(4):
-        session = Session(Settings.paper(transfer="projective", servo="likelihood"))
-        session.calibrate(5, seed)
-        session.reset()
-        lower, upper = session.embodiment.lower, session.embodiment.upper
-        session.pose(np.random.default_rng(seed).uniform(lower, upper))
-        last = session.run(60).last
-        assert last.status == "converged" and error_deg(last) < 0.01
-        motions.append(last.motion)
-    assert np.median(motions) <= 3
-
-
 def test_a_head_that_has_moved_is_noticed_though_kinematics_foretold_everything():
     session = Session(Settings.paper(transfer="projective", servo="likelihood"))
     body = session.calibrate(12, 0)

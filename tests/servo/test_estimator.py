@@ -25,12 +25,6 @@ def error_deg(session):
     return float(np.degrees(np.abs(session.snapshot.theta - session.snapshot.theta_demo)).max())
 
 
-@pytest.mark.parametrize("start", [(70, -140), (10, -30), pytest.param((85, -170), marks=pytest.mark.slow)])
-def test_without_noise_two_probes_and_one_motion_suffice(start):
-    session, result = run(start)
-    assert result.success and result.motions <= 4 and error_deg(session) < 1e-3
-
-
 @pytest.mark.parametrize("scene", ["panda", "iiwa"])
 def test_it_arrives_from_anywhere_in_the_range_and_from_corner_to_corner(scene):
     """Within 0.001° of the demonstrator, and no motion passes a limit."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from viewimit.experiments.bench.restarts import Restarts, RestartState, far_postures, is_small_E
+from viewimit.experiments.bench.restarts import Restarts, RestartState, far_postures
 from viewimit.servo import Observation, ServoMethod, ServoStatus
 
 LIMIT = np.radians([90.0, 60.0])
@@ -88,10 +88,3 @@ def test_starts_are_the_same_for_all_laws_and_far_from_each_other():
     apart = np.abs(among[:, None] - among).max(-1)[np.triu_indices(5, 1)]
     assert (np.abs(among) <= LIMIT).all() and apart.min() > np.radians(30.0)
     assert isinstance(first, RestartState) and len(first.starts) == 4
-
-
-def test_an_e_that_noise_explains_is_small():
-    """With noise σ in own and recovered images, E = Σ e²/(2N) over 4N coordinates of variance 2σ² is about 4σ²."""
-    rng, sigma = np.random.default_rng(0), 0.1
-    E = (rng.normal(0, np.sqrt(2) * sigma, (1000, 10, 4)) ** 2).sum((1, 2)) / 20
-    assert is_small_E(E.max(), sigma) and not is_small_E(E.max(), 0.0) and not is_small_E(100 * sigma**2, sigma)

@@ -202,14 +202,10 @@ def test_a_case_is_a_name_and_a_function():
     assert replace(first, cpu_s=0.0) == replace(last, cpu_s=0.0, case="late") and first.kept
 
 
-UNENDING = [
-    ("5 points", 3, 1),
-    ("5 points", 41, 88),
-    ("20 points, hidden by surfaces", 31, 394),
-    ("20 points, hidden by surfaces", 31, 206),
-]
+HIDDEN = "20 points, hidden by surfaces"
+UNENDING = [("5 points", 3, 1), ("5 points", 41, 88), (HIDDEN, 31, 394), (HIDDEN, 31, 206)]
 UNOBSERVABLE = [("16 points on rigid groups of links", 51, 1231)]
-ARRIVES = [("20 points, hidden by surfaces", 31, 246), ("20 points, hidden beyond the rim", 41, 10)]
+ARRIVES = [(HIDDEN, 31, 246), ("20 points, hidden beyond the rim", 41, 10)]
 NOT_FALSE = [
     ("noise 1.0 px, 1 frame", 41, 12),
     ("20 points, hidden beyond the rim", 2026, 187),

@@ -234,12 +234,7 @@ RUNS = (
     Run("noise 0.5 px, 25 frames", {"noise_px": 0.5, "seed": 3}),
     # What spoils images and motions
     Run("missing 40 %, 1 frame: points half seen", {"points": 16, "missing": 0.4, "frames": 1, "seed": 2}),
-    Run(
-        "outliers 5 %, noise",
-        {"points": 16, "outliers": 0.05, "noise_px": 0.25, "frames": 1, "seed": 1},
-        elsewhere=1e-4,
-        why="rounding errors decide between two expected errors that are 1e-5 rad apart",
-    ),
+    Run("outliers 5 %, noise", {"points": 16, "outliers": 0.05, "noise_px": 0.25, "frames": 1, "seed": 7}),
     Run("swapped pairs, noise", {"points": 16, "swapped": 0.25, "noise_px": 0.25, "seed": 9}),
     Run("steps of 0.5°", {"encoder_step_deg": 0.5, "noise_px": 0.1}, elsewhere=3e-5, why=FLAT),
     # Scenes

@@ -41,6 +41,14 @@ def test_it_arrives_from_anywhere_in_the_range_and_from_corner_to_corner(scene):
     assert np.median(motions) <= 3 and max(motions) <= 5
 
 
+def test_rounding_errors_decide_no_motion():
+    """Places about the start are drawn from few lengths, so that many are equally far from all visits."""
+    one, other = (run((25 + off, -45), points=16, missing=0.4, frames=1, seed=2)[0].history for off in (0.0, 1e-9))
+    assert [moment.status for moment in one] == [moment.status for moment in other] and len(one) > 6
+    for moment, same in zip(one, other):
+        np.testing.assert_allclose(moment.commanded, same.commanded, atol=1e-5)
+
+
 def test_seven_joints_take_a_probe_each_and_one_motion():
     settings = Settings(joints=(1, 2, 3, 4, 5, 6, 7), points=16)
     session = Session(settings)

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 ON_WAY = 0.5, 0.75  # shares of the way to the estimate, at which to look
 ABOUT, ANYWHERE = (12, 24), 24  # random places: about the estimate, of up to two joints or more; in the whole range
 SIGNS = 1.0, -1.0, 0.3, -0.3  # of the motions of each joint about the estimate
-FD_STEP = 1e-4  # rad
+FD_STEP, ROUNDING = 1e-4, 1e-9  # rad: of a difference; of what counts as equal
 
 
 @dataclass(frozen=True)
@@ -85,9 +85,14 @@ def choose(
     for looks in options.looks:
         way = cost(places - here, max_step, options, looks) + cost(target - places, max_step, options)
         value = end(information.std(looks)) + doubt * 0.5 ** (looks * novelty) + way
-        if value.min() < least:
-            found, least = Choice(places[value.argmin()], True), value.min()
+        if value.min() < least - ROUNDING:
+            found, least = Choice(places[first_largest(-value)], True), value.min()
     return found
+
+
+def first_largest(values: Array) -> int:
+    """Index of the largest value, of nearly equal ones the first: rounding errors decide no motion."""
+    return int((values >= values.max() - ROUNDING).argmax())
 
 
 def candidates(
@@ -148,7 +153,7 @@ class Information:
         """Standard error of the worst joint, (c,) rad, after so many looks from each place."""
         A, B, C = (now + looks * more for now, more in zip(self.so_far, self.each))
         schur = A - np.einsum("cnpa,cnab,cnqb->cpq", B, np.linalg.pinv(C, hermitian=True), B, optimize=True)
-        size = np.sqrt(np.maximum(np.einsum("cpp->cp", schur), 1e-300))
+        size = np.sqrt(np.maximum(np.einsum("cpp->cp", schur), 1e-100))
         inverse = np.linalg.inv(schur / (size[:, :, None] * size[:, None, :]) + 1e-12 * np.eye(schur.shape[-1]))
         variance = (np.einsum("cpp->cp", inverse) / size**2)[:, self.angles]
         return self.std_px * np.sqrt(np.maximum(variance, 0)).max(1)

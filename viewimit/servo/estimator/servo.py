@@ -28,7 +28,7 @@ from .following import follow
 from .hypotheses import MAX_IMITATED_STD, Estimate, Evidence
 from .naming import KnownBody, find_naming
 from .options import EstimatorOptions
-from .rule import Choice, choose
+from .rule import Choice, choose, first_largest
 from .state import Displacement, EstimatorState, Purpose
 from .swaps import swapped, with_swaps
 
@@ -213,7 +213,7 @@ class Estimator:
         places = state.visits[0].displacement + reach * rng.choice(REACHES, (PLACES, m))
         places = np.clip(places, see.lower, see.upper)
         visited = np.array([visit.displacement for visit in state.visits])
-        place = places[np.abs(places[:, None] - visited).max(-1).min(1).argmax()]
+        place = places[first_largest(np.abs(places[:, None] - visited).max(-1).min(1))]
         state = replace(state, n_explored=state.n_explored + 1, probe=True, purpose=purpose)
         return moved(state, state.body, see, place)
 

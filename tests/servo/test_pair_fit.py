@@ -35,16 +35,16 @@ def same_body(seed, radius_m):
         return None
     turn = Rotation.from_rotvec([0.1, 0.4, 0.05]).as_matrix()
     demo = seen((body.places(DEMONSTRATOR) - MIDDLE) @ turn.T + MIDDLE + (-0.2, 0.1, 0.3)) + noise()
-    return kinematics, fit_same_body(kinematics, visits, demo[None], NOISE_PX, DEMONSTRATOR[None] + 0.05), demo
+    return kinematics, fit_same_body(kinematics, visits, demo[None], NOISE_PX, DEMONSTRATOR[None] + 0.05)
 
 
 def test_a_body_like_the_own_one_is_accepted_though_noise_hid_which_joints_move_a_point():
     """Its errors are normal, with the expected deviations: their squares add up to chi-square, here at 1 in 1,000."""
     fits = [found for seed in range(12) if (found := same_body(seed, 0.02)) is not None]
-    assert all((kinematics.moved_by != TRUE).any() for kinematics, _, _ in fits)  # by the probes
-    for found in (adjustment.kinematics for _, (adjustment, _), _ in fits):
+    assert all((kinematics.moved_by != TRUE).any() for kinematics, _ in fits)  # by the probes
+    for found in (adjustment.kinematics for _, (adjustment, _) in fits):
         np.testing.assert_array_equal(found.moved_by[~found.unknown], TRUE[~found.unknown])
-    estimates = [adjustment.estimate(fit, demo) for _, (adjustment, fit), demo in fits]
+    estimates = [adjustment.estimate(fit) for _, (adjustment, fit) in fits]
     assert max(one.sigmas for one in estimates) < MAX_SIGMAS
     squares = sum(float((((one.theta - DEMONSTRATOR) / one.std_error) ** 2).sum()) for one in estimates)
     assert squares < chi2.ppf(0.999, 2 * len(fits))

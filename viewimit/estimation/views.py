@@ -124,11 +124,6 @@ class FourViews:
         return np.asarray(self.visible.all(-1) & self.matched)
 
     @property
-    def partially_visible(self) -> NDArray[np.bool_]:
-        """(..., N): points of the demonstrator that one camera alone sees."""
-        return self.visible[..., 0] != self.visible[..., 1]
-
-    @property
     def used(self) -> "FourViews":
         """Views of the usable points. Raises ValueError for a batch of postures that show different points."""
         return self if self.complete else self.select(_same_in_all(self.usable))

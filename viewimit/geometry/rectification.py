@@ -24,7 +24,6 @@ from .robust_fit import MIN_F_RATIO, affine_distance, fundamental_distance
 MIN_DENOMINATOR = 0.1  # of a homography, which is 1 in the middle of the matches: no point is at infinity
 MIN_RMS_PX = 1e-3  # of images of typical size: smaller rms distance from an affine geometry needs no rectification
 MIN_MATCHES = 16
-AFFINE_DEGREES_OF_FREEDOM = 4  # parameters of an affine geometry
 N_TRIMMINGS, TRIM_FACTOR = 4, 6.0  # rounds; times the median distance, beyond which a match is wrong
 MAX_RMS_FACTOR = 3000.0  # times MIN_RMS_PX: rms distance from F beyond which the matches are wrong
 
@@ -115,21 +114,6 @@ def rectify(F: NDArray[np.float64], left: NDArray[np.float64], right: NDArray[np
     target = _map(right, H_right)[:, 0]
     depth = np.maximum(l @ H_left[2], MIN_DENOMINATOR)
     H_left[0] = np.linalg.lstsq(l / depth[:, None], target, rcond=None)[0]
-    return Rectification(H_left, H_right)
-
-
-def rectify_affine(left: NDArray[np.float64], right: NDArray[np.float64]) -> Rectification:
-    """Rectify images of cameras with parallel optical axes by similarities. left, right: (M, 2) px.
-
-    The images are turned so that their affine epipolar lines, Eq. (2), are rows, and the right rows get the spacing of
-    the left ones.
-    """
-    mean, matches = centred(np.concatenate([left, right], 1))
-    normal = np.linalg.eigh(matches.T @ matches)[1][:, 0]
-    normal = normal * np.copysign(1.0, normal[1]) / np.hypot(*normal[:2])
-    (a, b, c, d), offset = normal, float(normal @ mean)
-    H_left = np.array([[b, -a, 0], [a, b, 0], [0, 0, 1]])
-    H_right = np.array([[-d, c, 0], [-c, -d, offset], [0, 0, 1]])
     return Rectification(H_left, H_right)
 
 

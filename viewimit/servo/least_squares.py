@@ -36,7 +36,6 @@ class Minimum:
     E_first: float  # px², at the first start
     hessian: Array  # (m, m) px²/rad², Gauss-Newton
     points: int  # N, that E was evaluated with
-    newton_step: Array  # (m,) rad, to the minimum of the linear model, if that is too near to iterate; else 0
 
 
 def minimise(residual_at: Callable[[Array], Array], starts: Array, low: Array, high: Array) -> Minimum:
@@ -87,9 +86,7 @@ def minimise(residual_at: Callable[[Array], Array], starts: Array, low: Array, h
             break  # by its own linear model nothing more is gained
         live, candidates = live[on], candidates[on]
     least = int(best_E.argmin())
-    newton_step = heading[least] - best[least]
-    newton_step = newton_step if np.abs(newton_step).max() < MIN_STEP else np.zeros(m)
-    return Minimum(best[least], float(best_E[least]), float(E_first), hessians[least], count, newton_step)
+    return Minimum(best[least], float(best_E[least]), float(E_first), hessians[least], count)
 
 
 def _distinct(heading: Array, E: Array) -> Array:
@@ -160,7 +157,7 @@ def standard_deviations(hessian: Array, points: int) -> Array:
     return np.sqrt(((directions**2) / curvatures).sum(1) / points)
 
 
-def posture_grid(lower: Array, upper: Array, count: int, seed: int) -> Array:
+def posture_grid(lower: Array, upper: Array, count: int, seed: int = 0) -> Array:
     """Return `count` postures per joint, (n, m) rad; for three joints or more as many random ones as for two."""
     if len(lower) > 2:
         return np.random.default_rng([seed, count]).uniform(lower, upper, (count**2, len(lower)))

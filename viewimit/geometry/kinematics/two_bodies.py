@@ -281,7 +281,7 @@ def covariance_of(model: Any, residuals_of: Residuals, prior: Array) -> Array:
     A, B, C = normal_equations(jacobian(model, residuals_of, residuals_of(model)), P)
     known = np.linalg.pinv(C, hermitian=True)
     schur = A + np.diag(prior) - np.tensordot(B @ known, B, ([0, 2], [0, 2]))
-    size = np.sqrt(np.diag(schur))
+    size = np.sqrt(np.maximum(np.diag(schur), 0.0))  # rounding may leave less than 0 of what nothing determines
     scale = np.where(size > 0, size, 1.0)
     values, vectors = np.linalg.eigh(schur / np.outer(scale, scale))
     vectors = vectors / scale[:, None]

@@ -16,14 +16,13 @@ from ..least_squares import minimise
 from ..observation import Observation
 from ..status import ServoStatus
 from .hypotheses import Estimate
-from .pair_fit import CommonAdjustment
+from .pair_fit import MAX_SIGMAS, CommonAdjustment
 from .state import Displacement, EstimatorState, Purpose
 
 MAX_TRAIL = 16  # looks that are remembered
 ON_LINE = 3  # of these, that the line is fitted to; without noise two
 MIN_POINTS = 4  # of an image that tells the angles
-FEW_STEPS = 10  # of an adjustment
-MAX_SIGMAS = 3.09  # by which several images may contradict one place where the demonstrator stands
+STEPS = 10  # of an adjustment
 
 
 def follow(state: EstimatorState, body: OwnBody, see: Observation) -> tuple[EstimatorState, Displacement]:
@@ -79,7 +78,7 @@ def with_place_adjusted(
     adjustment = CommonAdjustment.of(own, observations, demos, max(see.noise_px, NOISE_FLOOR_PX))
     if adjustment is None:
         return best
-    fit = adjustment.fit(best.fit.pair.in_postures(postures), FEW_STEPS)
+    fit = adjustment.fit(best.fit.pair.in_postures(postures), STEPS)
     if fit.sigmas >= MAX_SIGMAS:
         return best
     return replace(best, fit=replace(best.fit, pair=fit.pair.in_postures(fit.pair.angles[-1:])))

@@ -33,13 +33,13 @@ from ...geometry.kinematics.loose_pair import LoosePair
 from ...geometry.kinematics.maximum_likelihood import Likely, likely_kinematics
 from ...geometry.kinematics.own_body import OwnBody
 from ...geometry.kinematics.two_bodies import BodyPair
-from ..least_squares import minimise
-from ..misfit import Misfit, MisfitKind
+from ..least_squares import minimise, posture_grid
+from ..misfit import MisfitKind
 from ..observation import Observation
 from .naming import KnownBody, mixed_up
 from .options import EstimatorOptions
-from .pair_fit import CommonAdjustment, PairFit
-from .reasons import MAX_REASON_SIGMAS, Candidate, Explanation, Reasons, link_changes
+from .pair_fit import FEW_STEPS, CommonAdjustment, PairFit
+from .reasons import Explanation, Reasons
 from .swaps import find_swaps
 
 Array = NDArray[np.float64]
@@ -148,7 +148,7 @@ class Evidence:
             one = minimise(conflict_at, near[None], see.lower, see.upper)
             return ((one.E, one.theta),) if np.isfinite(one.E) else ()
         if m < 3:
-            grid = np.stack(np.meshgrid(*np.linspace(see.lower, see.upper, options.grid).T), -1).reshape(-1, m)
+            grid = posture_grid(see.lower, see.upper, options.grid)
         else:
             rng = np.random.default_rng([see.seed, see.motion, m])
             grid = rng.uniform(see.lower, see.upper, (options.samples, m))
@@ -185,7 +185,7 @@ def same_body(evidence: Evidence, previous: Estimate | None = None) -> Estimate 
     if (adjustment := evidence.adjustment()) is None:
         return None
     if previous is not None and previous.fit is not None and (start := evidence.continued(previous)) is not None:
-        fit = adjustment.fit(start, options.few_steps)
+        fit = adjustment.fit(start, FEW_STEPS)
         if evidence.is_right(fit):
             return evidence.estimate(adjustment, fit, previous.minima)
     minima, found = evidence.postures(), list[PairFit]()
@@ -193,7 +193,7 @@ def same_body(evidence: Evidence, previous: Estimate | None = None) -> Estimate 
         return Estimate(minima[0][1], np.zeros(m), 0.0, minima=minima)
     for _, theta in minima:
         for start in adjustment.problem.starts(k, theta[None])[:2]:
-            found.append(fit := adjustment.fit(start, options.few_steps))
+            found.append(fit := adjustment.fit(start, FEW_STEPS))
             if evidence.is_right(fit):
                 return evidence.estimate(adjustment, fit, minima)
     if not found:
@@ -209,7 +209,7 @@ def refined(same: Estimate, evidence: Evidence) -> Estimate:
     options = evidence.options
     hopeful = options.max_sigmas <= found[0].sigmas < HOPELESS_SIGMAS
     if hopeful and not evidence.body.slack and not found[0].open_joints(options, evidence.noise_px).any():
-        found += _other_chains(same, evidence, options.few_steps)
+        found += _other_chains(same, evidence, FEW_STEPS)
     return min(found, key=_cost)
 
 
@@ -249,7 +249,7 @@ def with_rivals(best: Estimate, evidence: Evidence) -> Estimate:
         low = E < options.rival * max(minima[0][0], see.noise_px**2, NO_ERROR)
         if low and np.abs(theta - best.theta).max() > max(BEYOND, 5 * best.std.max()):
             for start in adjustment.problem.starts(body.kinematics, theta[None])[:2]:
-                if evidence.is_right(fit := adjustment.fit(start, options.few_steps)):
+                if evidence.is_right(fit := adjustment.fit(start, FEW_STEPS)):
                     found.append(evidence.estimate(adjustment, fit))
     least = min(found, key=_cost)
     assert least.adjustment is not None
@@ -281,24 +281,13 @@ def likeliest_other(same: Estimate, evidence: Evidence) -> Estimate:
         return same
     see = replace(see, noise_px=evidence.noise_px, demo=demo)
     reasons = Reasons(same.adjustment, same.fit, evidence.body.seen, see, same.theta, see.seed)
-    best, *others = sorted(reasons.all(), key=_criterion)
-    assert best.fit is not None
-    if best.kind is MisfitKind.NONE or best.fit.sigmas >= MAX_REASON_SIGMAS:
-        kind, margin = MisfitKind.NONE, 0.0
-    else:
-        kind, margin = best.kind, min((one.criterion for one in others), default=np.inf) - best.criterion
-    links = link_changes(best.adjustment, best.fit) if kind is MisfitKind.ANOTHER_BODY else ()
-    estimate = best.adjustment.estimate(best.fit, demo)
-    why = Explanation(Misfit(kind, best.points, links, best.amount), estimate, float(margin))
+    why, best = reasons.best()
+    estimate = why.estimate
     found = replace(same, theta=estimate.theta, std=estimate.std_error, sigmas=estimate.sigmas, explanation=why)
     accurate = found.sigmas < evidence.options.max_sigmas and found.std.max() < MAX_IMITATED_STD
-    if kind in ANGLES and accurate:
+    if why.misfit.kind in ANGLES and accurate:
         return replace(found, fit=best.fit, adjustment=best.adjustment)
     return replace(found, theta=least_E(same))
-
-
-def _criterion(candidate: Candidate) -> float:
-    return candidate.criterion
 
 
 def refitted(before: Estimate, evidence: Evidence) -> Estimate | None:
@@ -308,8 +297,8 @@ def refitted(before: Estimate, evidence: Evidence) -> Estimate | None:
     start, adjustment = evidence.continued(before), evidence.adjustment()
     if why.misfit.kind is MisfitKind.LENS or start is None or adjustment is None:
         return None
-    fit = adjustment.fit(start, evidence.options.few_steps)
+    fit = adjustment.fit(start, FEW_STEPS)
     if fit.sigmas >= evidence.options.max_sigmas:
         return None
-    why = replace(why, estimate=adjustment.estimate(fit, evidence.see.demonstrator[0]))
+    why = replace(why, estimate=adjustment.estimate(fit))
     return evidence.estimate(adjustment, fit, before.minima, why)

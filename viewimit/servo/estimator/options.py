@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .pair_fit import MAX_SIGMAS
+
 
 def _deg(angle: float) -> float:
     return float(np.radians(angle))
@@ -34,12 +36,11 @@ class EstimatorOptions:
     enough_visits: int = 40  # from which a moving demonstrator is followed without learning
 
     # Hypotheses
-    max_sigmas: float = 3.09  # standard deviations; the right hypothesis contradicts by more once in a thousand
+    max_sigmas: float = MAX_SIGMAS  # standard deviations; the right hypothesis contradicts by more once in a thousand
     max_limit_sigmas: float = 3.0  # expected errors beyond a joint limit, from which it excludes the posture
     max_std_per_px: float = _deg(20.0)  # rad/px: a joint that noise of 1 px turns by more is unobservable
     grid: int = 9  # postures a joint, of one or two, that the search for the demonstrator's begins with
     samples: int = 64  # postures, of three joints or more
     starts: int = 5  # of these that are refined
-    few_steps: int = 25  # Gauss-Newton steps that show whether a start leads anywhere
     search_swaps_at: tuple[int, ...] = (1, 3, 8, 16)  # visits, minus the joints, at which swapped points are looked for
     rival: float = 10.0  # times the least E: what a posture may leave that may be the demonstrator's, too

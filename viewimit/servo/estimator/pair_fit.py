@@ -57,7 +57,6 @@ class PostureEstimate:
     theta: Array  # (m,) rad, as a displacement
     std_error: Array  # (m,) rad
     sigmas: float  # by how many standard deviations the demonstrator's images contradict a body like the own one
-    demo: Array  # (N, 4) px: its images, NaN where hidden
 
 
 @dataclass(frozen=True)
@@ -120,10 +119,10 @@ class CommonAdjustment:
                 break
         return None if best is None else self.fit(best.pair)
 
-    def estimate(self, fit: PairFit, demo: Array) -> PostureEstimate:
-        """Return the first posture of a fit. demo: (N, 4) px, the images that it is of."""
+    def estimate(self, fit: PairFit) -> PostureEstimate:
+        """Return the first posture of a fit."""
         std_error = fit.std * self.problem.angle_std(fit.pair)[0]
-        return PostureEstimate(fit.pair.angles[0], std_error, fit.sigmas, demo)
+        return PostureEstimate(fit.pair.angles[0], std_error, fit.sigmas)
 
 
 def fit_same_body(

@@ -65,10 +65,6 @@ class Candidate:
     amount: float | None = None
 
 
-def _criterion(candidate: Candidate) -> float:
-    return candidate.criterion
-
-
 def explain(
     kinematics: ProjectiveKinematics,
     seen: Observations,
@@ -104,15 +100,7 @@ def explain(
         return None
     if np.count_nonzero(like_own[0].problem.visible_in_both[0]) < MIN_POINTS:
         return None
-    reasons = Reasons(*like_own, seen, replace(observation, noise_px=noise_px), theta, seed)
-    found = sorted(reasons.all(), key=_criterion)
-    best = found[0]
-    estimate = best.adjustment.estimate(best.fit, demo)
-    if best.kind is MisfitKind.NONE or best.fit.sigmas >= MAX_REASON_SIGMAS:
-        return Explanation(Misfit(MisfitKind.NONE), estimate, 0.0)
-    margin = min((one.criterion - best.criterion for one in found[1:]), default=np.inf)
-    links = link_changes(best.adjustment, best.fit) if best.kind is MisfitKind.ANOTHER_BODY else ()
-    return Explanation(Misfit(best.kind, best.points, links, best.amount), estimate, float(margin))
+    return Reasons(*like_own, seen, replace(observation, noise_px=noise_px), theta, seed).best()[0]
 
 
 @dataclass(frozen=True)
@@ -125,6 +113,16 @@ class Reasons:
     observation: Observation
     theta: Array  # (m,) rad, near the demonstrator's posture
     seed: int
+
+    def best(self) -> tuple[Explanation, Candidate]:
+        """Return the reason with the least criterion; `MisfitKind.NONE` if noise does not explain what it leaves."""
+        best, *others = sorted(self.all(), key=lambda one: one.criterion)
+        estimate = best.adjustment.estimate(best.fit)
+        if best.kind is MisfitKind.NONE or best.fit.sigmas >= MAX_REASON_SIGMAS:
+            return Explanation(Misfit(MisfitKind.NONE), estimate, 0.0), best
+        margin = min((one.criterion for one in others), default=np.inf) - best.criterion
+        links = _link_changes(best.adjustment, best.fit) if best.kind is MisfitKind.ANOTHER_BODY else ()
+        return Explanation(Misfit(best.kind, best.points, links, best.amount), estimate, float(margin)), best
 
     def all(self) -> Iterator[Candidate]:
         """Yield each reason with its best fit."""
@@ -161,7 +159,7 @@ class Reasons:
         for kind, choices in ((MisfitKind.POINT, single), (MisfitKind.LINK_POINTS, several)):
             if choices := [points for points in choices if len(points) <= free]:
                 freed = partial(self._with_points, kind, len(choices))
-                yield freed(min((freed(points, FEW_ITER) for points in choices), key=_criterion).points)
+                yield freed(min((freed(points, FEW_ITER) for points in choices), key=lambda one: one.criterion).points)
 
     def _with_points(
         self, kind: MisfitKind, choices: int, points: tuple[int, ...], max_iter: int = MAX_ITER
@@ -264,11 +262,11 @@ def explain_again(
     fit = _fit_another_body(adjustment, same, _fit_other_head(adjustment, same))
     if fit.sigmas >= MAX_SIGMAS:
         return None
-    misfit = Misfit(MisfitKind.ANOTHER_BODY, links=link_changes(adjustment, fit))
-    return Explanation(misfit, adjustment.estimate(fit, demos[0]), np.inf)
+    misfit = Misfit(MisfitKind.ANOTHER_BODY, links=_link_changes(adjustment, fit))
+    return Explanation(misfit, adjustment.estimate(fit), np.inf)
 
 
-def link_changes(adjustment: CommonAdjustment, fit: PairFit) -> tuple[LinkChange, ...]:
+def _link_changes(adjustment: CommonAdjustment, fit: PairFit) -> tuple[LinkChange, ...]:
     """Return how much longer each link between two moving joints is, the base outwards.
 
     A link's length is the radius of the circle on which its inner joint carries the outer one: of the point on the

@@ -54,6 +54,16 @@ ARM = ("start_deg", *disturbances(ArmDisturbance))  # where the arm starts, and 
 DEFAULT_TRANSFER = f"projective from {PROJECTIVE_MIN_POINTS} points on, epipolar below"  # `default_transfer` in words
 
 
+def add_address(parser: argparse.ArgumentParser) -> None:
+    """Add the options of where a server listens."""
+    parser.add_argument(
+        "--host",
+        default="127.0.0.1",
+        help="address to listen on (%(default)s, this machine alone); 0.0.0.0 admits everybody on its network",
+    )
+    parser.add_argument("--port", type=between(int, 0, 65535), default=8080, help="0 takes a free one (%(default)s)")
+
+
 def add_settings(parser: argparse.ArgumentParser, *names: str, defaults: Settings = PAPER, **helps: str | None) -> None:
     """Add options for these fields of `Settings`, from their descriptions; with `robot` those of its URDF.
 

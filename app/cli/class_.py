@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 
 import platformdirs
 
-from viewimit.options import DONE, MISSED, BadInput, between, naming
+from viewimit.options import DONE, MISSED, BadInput, add_address, naming
 from viewimit.sensing.files import escape
 
 CODE = "VIEWIMIT_LECTURER"  # environment variable: the lecturer's code, instead of a random one
@@ -22,12 +22,7 @@ CONTINUED_S = 6 * 3600  # a file without a name of its own is continued if its c
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--host",
-        default="127.0.0.1",
-        help="address to listen on (%(default)s, this machine alone); 0.0.0.0 admits everybody on its network",
-    )
-    parser.add_argument("--port", type=between(int, 0, 65535), default=8080, help="0 takes a free one (%(default)s)")
+    add_address(parser)
     parser.add_argument(
         "--lesson",
         action="append",

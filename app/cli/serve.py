@@ -3,16 +3,11 @@
 import argparse
 from pathlib import Path
 
-from viewimit.options import ARM, DONE, SCENE, SIGHT, add_settings, between, naming, settings_from
+from viewimit.options import ARM, DONE, SCENE, SIGHT, add_address, add_settings, between, naming, settings_from
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--host",
-        default="127.0.0.1",
-        help="address to listen on (%(default)s, this machine alone); 0.0.0.0 admits everybody on its network",
-    )
-    parser.add_argument("--port", type=between(int, 0, 65535), default=8080, help="0 takes a free one (%(default)s)")
+    add_address(parser)
     parser.add_argument("--max-clients", type=between(int, 1, 10_000), default=40, help="tabs at a time (%(default)s)")
     parser.add_argument(
         "--max-per-address",

@@ -43,7 +43,9 @@ def test_it_arrives_from_anywhere_in_the_range_and_from_corner_to_corner(scene):
 
 def test_rounding_errors_decide_no_motion():
     """Places about the start are drawn from few lengths, so that many are equally far from all visits."""
-    one, other = (run((25 + off, -25 + off), points=16, missing=0.4, frames=1, seed=2)[0].history for off in (0.0, -1e-9))
+    one, other = (
+        run((25 + off, -25 + off), points=16, missing=0.4, frames=1, seed=2)[0].history for off in (0.0, -1e-9)
+    )
     assert [moment.status for moment in one] == [moment.status for moment in other] and len(one) > 6
     for moment, same in zip(one, other):
         np.testing.assert_allclose(moment.commanded, same.commanded, atol=1e-5)

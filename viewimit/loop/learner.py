@@ -112,24 +112,7 @@ class Learner:
         return self._retargeted(now, after)
 
     def seen(self, past: Past, theta: NDArray[np.float64], like: Snapshot, **changes: Any) -> Snapshot:
-        """Look with the arm at a posture, and evaluate E.
-
-        Parameters
-        ----------
-        past : sequence of Snapshot
-            Up to the present one.
-        theta : (m,) array
-            Posture of the learner [rad].
-        like : Snapshot
-            Gives all other fields.
-        **changes
-            Fields that differ from those of `like`.
-
-        Returns
-        -------
-        Snapshot
-            Views, transfer and E at theta.
-        """
+        """Look with the arm at a posture, and evaluate E, as `Session.observe`; `past` ends with the present."""
         # posture → body points in 3-D → four views l, r, L, R
         views, n_rejected = self._four_views(past, theta, like, **changes)
         rectification = _rectification(past, views, changes.get("settings", like.settings))

@@ -5,6 +5,7 @@ The lab's modules read the same file.
 
 from collections.abc import Mapping
 from functools import cache
+from math import isfinite
 
 import msgspec
 
@@ -47,10 +48,11 @@ class Verdict(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         joints
             Names of those that the points do not show.
         std_error_deg
-            What the learner expects to be off, of its worst joint; None if it does not say.
+            What the learner expects to be off, of its worst joint; None if it does not say, inf if it cannot.
         """
         says = self.says
-        if std_error_deg is None:
+        if std_error_deg is None or not isfinite(std_error_deg):
+            std_error_deg = None
             says = says.split(" It expects", 1)[0]
         return says.format(
             steps=f"{steps} {'step' if steps == 1 else 'steps'}",

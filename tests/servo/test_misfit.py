@@ -153,7 +153,7 @@ def test_an_arm_that_stops_short_is_noticed_sent_farther_and_claims_in_real_degr
         assert last.misfit.kind is MisfitKind.ARM and abs(last.misfit.amount - share) < 0.02
         assert last.status == "converged" and last.motion < 15
         assert np.abs(last.theta - last.theta_demo).max() < 3 * last.expected_error < np.radians(0.75)
-        assert f"stops short, by {last.misfit.amount:.1%}" in last.misfit.describe()
+        assert f"stops short, by {100 * last.misfit.amount:.1f} %" in last.misfit.describe()
 
 
 def test_an_arm_that_moves_as_it_is_told_does_not_stop_short():
@@ -178,7 +178,7 @@ def test_a_lens_is_named_and_the_joint_angles_found_in_spite_of_it():
     last = session.run(80).last
     assert last.misfit.kind is MisfitKind.LENS and last.status == "converged"
     assert np.abs(last.theta - last.theta_demo).max() < 3 * last.expected_error < np.radians(0.5)
-    assert f"a lens bends the images, by up to {last.misfit.amount:.2g} px" == last.misfit.describe()
+    assert f"a lens bends the pictures, by up to {last.misfit.amount:.2g} px" == last.misfit.describe()
     # Points far from the middle move by k1 r³ focal lengths; a projective map makes up for a part of it.
     head = session.scene.head
     radius = np.hypot(*(np.array(head.image) / 2)) / head.focal

@@ -76,10 +76,10 @@ class Misfit:
         if self.kind is MisfitKind.ANOTHER_BODY:
             lengths = [
                 f"its link from joint {number(link.joints[0])} to {number(link.joints[1])} is "
-                f"{abs(link.change):.1%} {'longer' if link.change > 0 else 'shorter'}, ± {100 * link.std:.1g}"
+                f"{100 * abs(link.change):.1f} ± {100 * link.std:.1g} % {'longer' if link.change > 0 else 'shorter'}"
                 for link in self.links
             ]
-            return "the demonstrator is another body" + (": " + "; ".join(lengths) if lengths else "")
+            return "the demonstrator has another body" + (": " + "; ".join(lengths) if lengths else "")
         if self.kind is MisfitKind.LIMIT:
             beyond = [
                 f"{np.degrees(abs(one.beyond)):.2f} ± {np.degrees(one.std):.2g}° "
@@ -90,13 +90,13 @@ class Misfit:
         return {
             MisfitKind.LINK_POINTS: f"points {points}, of one link, sit elsewhere on the demonstrator",
             MisfitKind.POINT: f"point {points} sits elsewhere on the demonstrator",
-            MisfitKind.MIXED_UP: f"the demonstrator's points {points} were mixed up, and are put right",
-            MisfitKind.TWO_HEADS: "other cameras see the demonstrator than the own body",
-            MisfitKind.MIRRORED: "the demonstrator is a mirror image of the own body",
-            MisfitKind.LENS: f"a lens bends the images, by up to {self.amount or 0:.2g} px",
+            MisfitKind.MIXED_UP: f"the demonstrator's points {points} were mixed up; the learner put them right",
+            MisfitKind.TWO_HEADS: "the demonstrator is seen by other cameras than the learner's own arm",
+            MisfitKind.MIRRORED: "the demonstrator is a mirror image of the learner",
+            MisfitKind.LENS: f"a lens bends the pictures, by up to {self.amount or 0:.2g} px",
             MisfitKind.ARM: _of_arm(self.amount),
             MisfitKind.NOT_RIGID: "the arm or its points do not move as rigid bodies",
-            MisfitKind.NONE: "the demonstrator is no body like the own one, for none of the known reasons",
+            MisfitKind.NONE: "the demonstrator's body differs from the learner's, and no known reason explains how",
         }[self.kind]
 
 
@@ -104,4 +104,4 @@ def _of_arm(share: float | None) -> str:
     """share: of each motion that it misses; None if that differs."""
     if share is None:
         return "the arm is not where it was sent"
-    return f"the arm {'stops short' if share > 0 else 'goes too far'}, by {abs(share):.1%} of each motion"
+    return f"the arm {'stops short' if share > 0 else 'goes too far'}, by {100 * abs(share):.1f} % of each step"

@@ -21,19 +21,19 @@ PURPOSES = {
     Purpose.PROBE: "This step, ({step}), is a test move: it shows what the joint moves.",
     Purpose.GROW: "This step, ({step}), shows more: the pictures so far do not tell enough.",
     Purpose.NAME: "This step, ({step}), shows more: the demonstrator's points could not be named yet.",
-    Purpose.LOOK: "This step, ({step}), is a look from elsewhere: it lessens the expected error by more than it costs.",
+    Purpose.LOOK: "This step, ({step}), is a look from elsewhere: it lowers the expected error by more than it costs.",
     Purpose.ARRIVE: "This step, ({step}), goes to the likeliest pose.",
     Purpose.FOLLOW: "This step, ({step}), goes to where the demonstrator will be.",
-    Purpose.NEAREST: "This step, ({step}), goes to the least E: the pictures leave a joint open.",
+    Purpose.NEAREST: "This step, ({step}), goes to the smallest E: the pictures leave a joint open.",
 }
 DOES = {
     Purpose.PROBE: TEST_MOVE,
     Purpose.GROW: "It moves to see more, because the pictures so far do not tell enough.",
     Purpose.NAME: "It looks at its own body again, because no naming of the demonstrator's points fits yet.",
-    Purpose.LOOK: "It looks from elsewhere first, because that lessens the expected error.",
+    Purpose.LOOK: "It looks from elsewhere first, because that lowers the expected error.",
     Purpose.ARRIVE: "It goes to the likeliest pose.",
     Purpose.FOLLOW: "It follows the demonstrator, whose place it knows.",
-    Purpose.NEAREST: "It goes to the least E, because the pictures leave a joint open.",
+    Purpose.NEAREST: "It goes to the smallest E, because the pictures leave a joint open.",
     Purpose.REST: "",
 }
 HYPOTHESES = {
@@ -55,7 +55,7 @@ def equations(state: EstimatorState | None, motion: LastMotion) -> tuple[Equatio
             Equation("", "rule: the least expected loss", _RULE, wide=True),
         )
     n = len(state.visits)
-    known = plural("{n} picture of the own body.", "{n} pictures of the own body.", n).format(n=n)
+    known = plural("{n} picture of its own body.", "{n} pictures of its own body.", n).format(n=n)
     note = sentences(known, _says(state))
     likelihood = Equation("", "all pictures, one likelihood", _LIKELIHOOD, note=note, wide=True)
     text = PURPOSES.get(state.purpose, "") if motion.moved.any() else ""
@@ -99,5 +99,8 @@ def describe_status(state: EstimatorState, status: ServoStatus) -> str:
     if state.purpose is Purpose.NAME:
         return "No naming of the demonstrator's points explains its pictures."
     if state.body is None:
-        return "No body of rigid links explains the own pictures: another servo may, such as Broyden's."
+        return sentences(
+            "Choose another servo, such as Broyden's: no chain of rigid links explains the learner's own pictures.",
+            "Perhaps one joint drags another.",
+        )
     return "No hypothesis explains the pictures."

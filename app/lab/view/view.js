@@ -154,10 +154,16 @@ export class View {
     const landmarks = this.scene?.stage.landmarks ?? [];
     still.aim(this.azimuth, this.elevation, [...landmarks, ...cameras.map(({centre}) => centre)]);
     const ghost = goal ? [{frames: arms.learner.linkFrames(thetaDemo), kind: "draw-guess"}] : [];
+    const head = cameras[0].centre.map((v, i) => (v + cameras[1].centre[i]) / 2);
+    const bases = [arms.demonstrator, arms.learner].map(({T_world_base: T}) => [T[3], T[7], T[11]]);
+    const upright = (/** @type {number[]} */ top, /** @type {string} */ kind) =>
+      /** @type {[number[], number[], string]} */ ([top, [top[0], top[1], 0], kind]);
     still.draw({
       bodies: [{frames: frames[0], kind: "vi-demo"}, ...ghost, {frames: frames[1], kind: ""}],
-      eyes: cameras.map((camera, k) => ({camera, kind: k < 2 ? "vi-demo" : "", name: ""})), lines: [], dots: [],
-      labels: (this.scene?.stage.labels ?? []).map(({text, role, at}) => [at, text, text.length > 1 ? `vi-b vi-${role}` : "vi-name"]),
+      eyes: cameras.map((camera, k) => ({camera, kind: k < 2 ? "vi-demo" : "", name: "lrLR"[k]})),
+      lines: [upright(head, "still-pole"), ...bases.map(base => upright(base, "still-stand"))], dots: [],
+      labels: (this.scene?.stage.labels ?? []).filter(({text}) => text.length > 1)
+        .map(({text, role, at}) => [at, text, `vi-b vi-mid still-${role}`]),
     }, "Both robots: the orange demonstrator, the blue learner, and the cameras that look at both.");
   }
 }

@@ -102,7 +102,7 @@ def test_the_button_is_what_can_be_done_now():
     page.tick(1.0)
     button = page.widget(WATCH)
     assert button.disabled and f"Only for {ABLE}." in page.shown
-    page.choose("Servo", "Likelihood of all images")
+    page.choose("Servo", "Likelihood of all pictures")
     page.tick(1.0)
     assert not button.disabled
     page.choose("Speed", "10 a second")
@@ -112,7 +112,7 @@ def test_the_button_is_what_can_be_done_now():
     for _ in range(DEFAULT_POSTURES):
         page.tick(0.2)
     assert button.label == FORGET
-    page.choose("Servo", "Broyden on images")
+    page.choose("Servo", "Broyden on pictures")
     page.tick(1.0)
     assert button.label == FORGET and not button.disabled  # what is held can be forgotten
     page.click(FORGET)

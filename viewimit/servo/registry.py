@@ -173,7 +173,7 @@ SERVOS = Servos(
         ),
         "broyden": ServoMethod(
             servo=Broyden(),
-            title="Broyden on images",
+            title="Broyden on pictures",
             assumes="The pictures follow the joints nearly linearly. It predicts E instead of trying it.",
             limitations="Flat valleys and missing points. It may stop degrees away without knowing it.",
             mirror_columns=True,
@@ -200,9 +200,9 @@ SERVOS = Servos(
         ),
         "likelihood": ServoMethod(
             servo=Estimator(),
-            title="Likelihood of all images",
-            assumes="Joints turn points as rigid bodies. All images so far are one estimation problem.",
-            limitations="Bodies without rigid links: it goes to the least E that it has seen, and claims nothing.",
+            title="Likelihood of all pictures",
+            assumes="Joints turn points as rigid bodies. All pictures so far are one estimation problem.",
+            limitations="Bodies without rigid links: it goes to the smallest E that it has seen, and claims nothing.",
             predicts=True,
             names_points=True,
             rigid=True,

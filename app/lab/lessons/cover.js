@@ -65,7 +65,7 @@ function actsOn(lesson, {words, done, isAsked}, acts) {
       isAsked ? plain("See the end", () => acts.end(lesson)) : null,
       done ? plain("Start again", () => acts.forget(lesson)) : null),
     make("details", {class: "contents"},
-      make("summary", {}, `${steps.length} steps${count ? `, ${count} questions before and after` : ""}${done ? `, ${done} done` : ""}`),
+      make("summary", {}, `${steps.length} ${steps.length === 1 ? "step" : "steps"}${count ? `, ${count} questions before and after` : ""}${done ? `, ${done} done` : ""}`),
       make("ol", {}, ...steps.map(({id, title}) => make("li", {}, make("button", {type: "button", class: "link",
         onclick: () => acts.step(lesson, id)}, title))))),
   ];

@@ -29,11 +29,11 @@ export const touched = words => isTouched() ? words.replace(/\bClick\b/g, "Tap")
 /** A measure that nothing has filled in is a dash. @param {string} words */
 const unbraced = words => words.replace(/\{[^{}]*\}/g, "–");
 
-/** Words with **bold**; a bold term of the glossary explains itself.
+/** Words with **bold**, and with names of pictures as the pictures have them, lest l reads as I; a bold term of the
+ * glossary explains itself.
  * @param {string} words @param {Record<string, string>} [glossary] */
 export const inline = (words, glossary = {}) => escaped(unbraced(touched(words))).replaceAll("'", "’").replace(
-  /\*\*(.+?)\*\*/g,
-  (_, bold) => {
+  /(?<![\w’-])[lrLR](?![\w’-])/g, eye => `<i class="eye">${eye}</i>`).replace(/\*\*(.+?)\*\*/g, (_, bold) => {
   const key = Object.keys(glossary).find(term => term.toLowerCase() === bold.toLowerCase()
     || `${term.toLowerCase()}s` === bold.toLowerCase());
   return key ? `<b class="term" role="button" tabindex="0" data-term="${key}" aria-expanded="false">${bold}</b>`

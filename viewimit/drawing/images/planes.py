@@ -169,18 +169,19 @@ def _locator(window: Window, w: float, frame: tuple[int, int]) -> str:
     )
 
 
+EYES = {view: f'<i class="vi-eye">{view}</i>' for view in "lrLR"}  # as on the pictures, lest l reads as I
 CROSSED = (
-    ("l", "This is point {point} in l."),
-    ("left", "Its epipolar lines in L and R: the point is somewhere on them."),
-    ("r", "This is point {point} in r."),
+    ("l", "This is point {point} in {l}."),
+    ("left", "Its epipolar lines in {L} and {R}: the point is somewhere on them."),
+    ("r", "This is point {point} in {r}."),
     ("right", "It gives a second line in each picture."),
     ("recovered", "The diamond is where the two lines cross."),
     ("own", "The arrow is the residual, from there to the learner's own point {point}."),
 )
 REPEATED = (
-    ("l", "This is point {point} in l and r."),
+    ("l", "This is point {point} in {l} and {r}."),
     ("steps", "Three steps lead to it from the middle of all points."),
-    ("repeated", "The same steps are made in L and R."),
+    ("repeated", "The same steps are made in {L} and {R}."),
     ("recovered", "The diamond is where they lead."),
     ("own", "The arrow is the residual, from there to the learner's own point {point}."),
 )
@@ -211,7 +212,7 @@ def describe_construction(construction: Construction | None, point: int, stage: 
     name = f"<b>{point}</b>"
     if stage is not None:
         words = (CROSSED if crossed else REPEATED)[stage][1]
-        return f"<i>{stage + 1}/{last_stage(crossed) + 1}</i> {words.format(point=name)}"
+        return f"<i>{stage + 1}/{last_stage(crossed) + 1}</i> {words.format(point=name, **EYES)}"
     if construction is None:
         return f"Point {name} is not visible in all four pictures."
     if construction.angle is None:
@@ -219,8 +220,8 @@ def describe_construction(construction: Construction | None, point: int, stage: 
     left, right = (f"{svg.number(angle, 0)}°" for angle in np.degrees(construction.angle))
     angles = left if left == right else f"{left}, {right}"
     of_l, of_r = (svg.sample(line_sample(kind), 0, 20) for kind in list(LINE_NAMES)[:2])
-    text = "Point {point}: its lines of l {line_l} and r {line_r} cross at angles of {angles}"
-    return text.format(point=name, line_l=of_l, line_r=of_r, angles=angles)
+    text = "Point {point}: its lines of {l} {line_l} and {r} {line_r} cross at angles of {angles}"
+    return text.format(point=name, line_l=of_l, line_r=of_r, angles=angles, **EYES)
 
 
 def draw_construction(

@@ -99,7 +99,7 @@ class Room {
         names.keep(at(camera.centre), 8);
         names.keep(at(onAxis(camera, .12)), .09 * view.window.scale);
       });
-      if (size === NAME_PX) names.put("two eyes", at(head), "draw-ink", {away: 12, first: [0, -1]});
+      if (size === NAME_PX) names.put("two eyes, turned to each arm", at(head), "draw-ink", {away: 12, first: [0, -1]});
     }
     html += names.html;
     if (html !== this.last) this.over.innerHTML = this.last = html;

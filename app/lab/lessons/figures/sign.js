@@ -88,7 +88,7 @@ export const BETS = {
       draw(stage) {
         const {costs, count, yours, certificate} = scores(stage);
         said.innerHTML = !count ? "Each bet costs (bet − outcome)². Always 50 % costs 0.25."
-          : `<b>Your Brier score so far: ${fixed(yours, 2)}.</b> The learner's own certificate: ${
+          : `<b>Your Brier score so far: ${fixed(yours, 2)}.</b> The learner’s own certificate: ${
             fixed(certificate, 2)}. Always 50 %: 0.25. Less is better.`;
         const each = costs.map((cost, k) => cost === null ? "" : `Run ${k + 1} cost ${fixed(cost, 2)}. `);
         drawing.show(bars(drawing, stage), each.join("") || "No bet yet.");
@@ -149,7 +149,7 @@ function claimed(stage, layers) {
   const outcome = `${run.holds ? "True" : "False"}: ${off}.`, because = `<p>${escaped(run.because)}</p>`;
   const truth = card("truth", "The truth (hidden from the learner)", outcome, because);
   const head = `Run ${stage.run + 1} of ${runsOf(stage).length}: the claim`;
-  const claim = card("learner", head, "“Both joints are within 1° of the demonstrator's.”");
+  const claim = card("learner", head, "“Both joints are within 1° of the demonstrator’s.”");
   const isTrueShown = layers.has("truth") && !stage.truthHidden;
   return claim + (isTrueShown ? truth : "") + (layers.has("learner knows") && !isOver(stage) ? known : "");
 }

@@ -139,6 +139,7 @@ class TestMotions:
         others = msgspec.structs.replace(kept, joints=(1, 2))
         for data, words in (
             (b"not json", "not a recorded motion"),
+            (b"", "not a recorded motion: the file is empty"),
             (b"\xff\xfe", "not a recorded motion"),
             (b'{"format": "viewimit motion 1"}', "missing required field"),
             (encode_motion(others), "it moves joints 1, 2"),

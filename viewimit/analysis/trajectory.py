@@ -106,6 +106,8 @@ def encode_motion(saved: Motion) -> bytes:
 
 def decode_motion(data: bytes, scene: Scene) -> Motion:
     """Decode JSON. Raises ValueError if it is no motion, or not one of this scene."""
+    if not data.strip():
+        raise ValueError("not a recorded motion: the file is empty")
     try:
         found = msgspec.json.decode(data, type=Motion)
     except (msgspec.DecodeError, UnicodeDecodeError) as error:

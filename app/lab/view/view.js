@@ -17,6 +17,7 @@ import {openSpace} from "./space.js";
 import {drawingUnit, fixed, px, say, set} from "./svg.js";
 
 const IN_3D = "viewimit-in-3d"; // what the browser keeps of a visitor who wants 3-D though it is slow
+const NAMED = 1.25; // height of what must be in sight above an eye, for its name, times that of the eye
 const PLATE_M = 0.17; // from a camera to its image plate, times the size of the scene
 /** @type {Record<"points" | "chosen", [number, number]>} px and opacity of lines in 3-D */
 const LINES = {points: [1.6, .8], chosen: [2.6, .9]};
@@ -152,7 +153,8 @@ export class View {
     const {still} = this, frames = [arms.demonstrator.linkFrames(thetaDemo), arms.learner.linkFrames(theta)];
     still.measure();
     const landmarks = this.scene?.stage.landmarks ?? [];
-    still.aim(this.azimuth, this.elevation, [...landmarks, ...cameras.map(({centre}) => centre)]);
+    const above = cameras.map(({centre: [x, y, z]}) => [x, y, NAMED * z]);
+    still.aim(this.azimuth, this.elevation, [...landmarks, ...above]);
     const ghost = goal ? [{frames: arms.learner.linkFrames(thetaDemo), kind: "draw-guess"}] : [];
     const head = cameras[0].centre.map((v, i) => (v + cameras[1].centre[i]) / 2);
     const bases = [arms.demonstrator, arms.learner].map(({T_world_base: T}) => [T[3], T[7], T[11]]);

@@ -15,7 +15,8 @@ from ..geometry.affine import LINE_VIEWS, MIN_POINTS, PairGeometry, fit_pairs, f
 from ..geometry.rectification import Rectification
 from ..servo import SERVOS, Certificate, Misfit, Naming, ServoMethod, ServoState, ServoStatus, verdict
 from ..servo.observation import repeat_xy
-from ..wording import sentences
+from ..servo.verdict import ANY_JOINT
+from ..wording import listed, sentences
 from .demonstrator import Images, average_looks
 from .self_calibration import SelfCalibration
 from .settings import OWN, Settings
@@ -409,7 +410,9 @@ class RunResult:
         """What is told of the run in every front end, and why it ended, in sentences."""
         status, last, known = self.status, self.last, self.last.certificate
         off = None if known is None else float(np.degrees(known.simultaneous_std_error))
-        reasons = [verdict(status).sentence(last.motion, last.E, int(last.usable.sum()), std_error_deg=off)]
+        unobservable = [] if known is None else known.unobservable_joints
+        names = listed([f"joint {self.joints[k] if self.joints else k + 1}" for k in unobservable]) or ANY_JOINT
+        reasons = [verdict(status).sentence(last.motion, last.E, int(last.usable.sum()), names, off)]
         if status.is_at_rest and not status.is_claim and last.misfit is not None:
             reasons.append(last.misfit.describe(self.joints))
         elif status == ServoStatus.NO_PROGRESS:

@@ -9,7 +9,7 @@ import {Names} from "./names.js";
 import {circles} from "./drawing.js";
 
 const FLOOR_M = 0.5; // from line to line
-const NAME_PX = 13, SMALL_PX = 300, SMALL_SIDE = 170; // drawings that are smaller have shorter names, or fewer
+const NAME_PX = 13, SMALL_PX = 300, SMALL_SIDE = 170, SHORT_BELOW = 340; // drawings that are smaller have shorter names, or fewer
 const BEHIND = {azimuth: Math.PI + .45, elevation: .4}; // where the spectator of both arms stands, rad: behind the eyes
 const HOLDS_AT_MOST = 3; // times their usual distance up to which the cameras stay in sight
 
@@ -99,7 +99,8 @@ class Room {
         names.keep(at(camera.centre), 8);
         names.keep(at(onAxis(camera, .12)), .09 * view.window.scale);
       });
-      if (size === NAME_PX) names.put("two eyes, turned to each arm", at(head), "draw-ink", {away: 12, first: [0, -1]});
+      const eyes = view.width < SHORT_BELOW ? "two eyes" : "two eyes, turned to each arm";
+      if (size === NAME_PX) names.put(eyes, at(head), "draw-ink", {away: 12, first: [0, -1]});
     }
     html += names.html;
     if (html !== this.last) this.over.innerHTML = this.last = html;

@@ -197,7 +197,7 @@ class TestWithTheMouse:
         wait(page, lambda: len(posture(page)) == 7 and points_drawn(page) == [16, 16])
         begin(page)
         wait(page, lambda: posture(page) == [25, -25] and points_drawn(page) == [10, 10])
-        set_number(page, "Images averaged", 1)
+        set_number(page, "Pictures averaged", 1)
         set_number(page, "Points lost (%)", 50)
         wait_for_status(page, "Too few points")
 

@@ -149,7 +149,7 @@ def _resting(snapshot: Snapshot, assessment: Assessment | None, joints: Sequence
     known = snapshot.certificate if assessment is None else assessment.certificate
     unobservable = [] if known is None else known.unobservable_joints
     names = listed([svg.joint_symbol(joints[k]) for k in unobservable]) if unobservable else ANY_JOINT
-    own = snapshot.certificate  # what E's curvature tells beside it knows nothing of a bias: no error is promised by that
+    own = snapshot.certificate  # not the assessment's: E's curvature knows nothing of a bias, and promises no error
     off = None if own is None else float(np.degrees(own.simultaneous_std_error))
     said = verdict(status).sentence(snapshot.motion, snapshot.E, int(snapshot.usable.sum()), names, off)
     if status.is_claim:

@@ -151,7 +151,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             description="images averaged at each posture; outliers among them are dropped",
             unit="N",
             bounds=(1, 1_000),
-            label="Images averaged",
+            label="Pictures averaged",
             slider_range=(1, 50, 1),
         ),
     ] = 25

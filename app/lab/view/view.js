@@ -17,7 +17,7 @@ import {openSpace} from "./space.js";
 import {drawingUnit, fixed, px, say, set} from "./svg.js";
 
 const IN_3D = "viewimit-in-3d"; // what the browser keeps of a visitor who wants 3-D though it is slow
-const NAMED = 1.25; // height of what must be in sight above an eye, for its name, times that of the eye
+const NAMED = 1.32; // height of what must be in sight above an eye, for its name, times that of the eye
 const PLATE_M = 0.17; // from a camera to its image plate, times the size of the scene
 /** @type {Record<"points" | "chosen", [number, number]>} px and opacity of lines in 3-D */
 const LINES = {points: [1.6, .8], chosen: [2.6, .9]};

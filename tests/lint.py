@@ -43,7 +43,7 @@ def style() -> str:
 
 
 def types() -> str:
-    """Return what mypy finds here and as on Windows, in the package as it is installed, in the examples and in the studies."""
+    """Return what mypy finds here and as on Windows, in the installed package, the examples and the studies."""
     with _installed() as folder:
         examples = [word for part in SCRIPTS for path in (ROOT / part).glob("*.py") for word in ("-m", path.stem)]
         systems = ("linux", "win32")
@@ -116,7 +116,7 @@ def _run(module: str, *words: str, cwd: str | Path = ROOT) -> str:
 
 
 def _installed(parts: Sequence[str] = ("app", "assets")) -> tempfile.TemporaryDirectory[str]:
-    """Make a folder that holds the package as it is installed, with these parts inside, the examples and the studies."""
+    """Make a folder that holds the package as it is installed, with these parts inside, and the scripts."""
     folder = tempfile.TemporaryDirectory()
     place = Path(folder.name)
     shutil.copytree(ROOT / "viewimit", place / "viewimit")

@@ -1,65 +1,36 @@
-"""A connection, whose messages are checked before viser sees them. websockets reads its request."""
+"""A connection, whose messages are checked before viser sees them."""
 
 import asyncio
-import re
-import socket
 from contextlib import suppress
 from contextvars import ContextVar
-from http import HTTPStatus
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from viser import ClientHandle
-from websockets.asyncio.server import ServerConnection
-from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.frames import CloseCode
-from websockets.http11 import Response
 
 from . import messages
-from .limits import Limits, PendingConnections, TokenBucket, network_of
+from .limits import TokenBucket
 from .messages import PART, Hostile, MessageValidator, Refused
+from .web import Connection
 
-AS_GET = re.compile(rb"(?:GET|HEAD) (\S+) HTTP/1\.[01](?=\r\n)")  # websockets reads GET of HTTP/1.1 alone
-UNSENT = 1 << 18  # bytes that the system keeps for a client: a ping does not wait long behind them
-TAKES_WITHIN = 60_000  # ms, in which a client takes something of what is sent to it (Linux)
+if TYPE_CHECKING:
+    from .access import AccessControl
+
 MOST_MESSAGE = PART + 4096  # bytes
 FRAMES_A_SECOND, FRAMES_AT_ONCE = 150, 600  # of all kinds; a browser sends at most 20 a second and widget
 REFUSALS_A_SECOND, REFUSALS_AT_ONCE = 0.5, 20  # messages that are dropped, before the client is closed
 
 
-def plain_response(status: HTTPStatus, text: str, kind: str = "text/plain", **more: str) -> Response:
-    """Return an answer with which the connection ends. more: further headers."""
-    body = text.encode()
-    headers = Headers({"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(body)), **more})
-    headers["Connection"] = "close"
-    headers["Cache-Control"] = "no-store"
-    return Response(status.value, status.phrase, headers, body)
-
-
-class Host(Protocol):
-    """The part of the server that a connection uses."""
-
-    limits: Limits
-    pending: PendingConnections
-
-    def note(self, connection: "GuardedConnection", what: str) -> None: ...
-
-    def belongs_to_another(self, uuid: str) -> bool: ...
-
-    def leave(self, connection: "GuardedConnection") -> None: ...
-
-
-class GuardedConnection(ServerConnection):
-    """A connection whose `recv` returns messages that were checked only. network: where it comes from; client: viser's
-    of it, from the first view on."""
+class GuardedConnection(Connection):
+    """A connection whose `recv` returns messages that were checked only. client: viser's of it, from the first view
+    on."""
 
     client: ClientHandle | None = None
-    is_head_request = False
 
-    def __init__(self, host: Host, *args, **limits):
-        super().__init__(*args, **limits)
+    def __init__(self, host: "AccessControl", *args, **limits):
+        super().__init__(host.pending, *args, **limits)
         self._host = host
-        self.network = network_of(None)
         self._frames = TokenBucket(FRAMES_A_SECOND, FRAMES_AT_ONCE)
         self._refusals = TokenBucket(REFUSALS_A_SECOND, REFUSALS_AT_ONCE)
         self._validator: MessageValidator | None = None
@@ -72,23 +43,8 @@ class GuardedConnection(ServerConnection):
         address = self.remote_address
         return f"{address[0]}:{address[1]}" if address else "a client that is gone"
 
-    def connection_made(self, transport) -> None:
-        super().connection_made(transport)
-        self.network = network_of(self.remote_address)
-        self._host.pending.add(self, self.network, transport.abort)
-        ours = transport.get_extra_info("socket")
-        ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, UNSENT)
-        if hasattr(socket, "TCP_USER_TIMEOUT"):
-            ours.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, TAKES_WITHIN)
-
-    def data_received(self, data: bytes) -> None:
-        if self.request is None:
-            self.is_head_request = self.is_head_request or data.startswith(b"HEAD ")
-            data = AS_GET.sub(rb"GET \1 HTTP/1.1", data, count=1) if AS_GET.match(data) else data
-        super().data_received(data)
-
     def connection_lost(self, exc: Exception | None) -> None:
-        self._host.leave(self)
+        self._host.seats.discard(self)
         if self._starts is not None:
             self._starts.cancel()
         super().connection_lost(exc)

@@ -16,8 +16,7 @@ from typing import Any, NamedTuple
 
 from viser import ClientHandle, IconName
 
-from viewimit.drawing.export.engine_scene import joint_name
-
+from ..lab.engine_scene import joint_name
 from ..lab.lessons.format import Lesson
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue

@@ -12,6 +12,7 @@ import socket
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from http import HTTPStatus
 
 from websockets.asyncio.server import ServerConnection, serve
@@ -97,8 +98,7 @@ class ClassServer:
         for number in stop_signals():
             signal.signal(number, lambda *_: loop.call_soon_threadsafe(stopped.set))
         tasks = [asyncio.create_task(room.store.write()), asyncio.create_task(self._tick())]
-        create = lambda *args, **limits: Connection(self._pending, *args, **limits)
-        options = serving_options(create, self._answer, MAX_FRAME_BYTES, LIMITS)
+        options = serving_options(partial(Connection, self._pending), self._answer, MAX_FRAME_BYTES, LIMITS)
         options["compression"] = None  # messages are small, and it costs more time than all else
         async with contextlib.AsyncExitStack() as stack:
             for listener in listeners:

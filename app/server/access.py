@@ -7,6 +7,7 @@ import asyncio
 import json
 import logging
 from collections.abc import Callable, Iterable
+from functools import partial
 from http import HTTPStatus
 
 import viser
@@ -54,7 +55,7 @@ class AccessControl:
         async def handle(connection: GuardedConnection) -> None:
             if connection.subprotocol != OWN_VERSION:  # viser would print the version as it is sent
                 theirs = (connection.subprotocol or "unknown").removeprefix(VERSION)[:40]
-                self.note(connection, f"a page of another version, {theirs}")
+                connection.note(f"a page of another version, {theirs}")
                 said = f"Version mismatch. Client: {theirs}, Server: {viser.__version__}"  # as viser's page knows it
                 await connection.close(CloseCode.PROTOCOL_ERROR, said)
                 return
@@ -68,7 +69,7 @@ class AccessControl:
             port,
             **options
             | serving_options(
-                lambda *args, **limits: GuardedConnection(self, *args, **limits),
+                partial(GuardedConnection, self.pending, self.seats, self.limits, self.belongs_to_another),
                 lambda connection, request: self._answer(connection, request, process_request),
                 MOST_MESSAGE,
                 self.limits,
@@ -79,9 +80,6 @@ class AccessControl:
         """Without file descriptors asyncio tells a hundred a second."""
         if self._faults.take():
             log.error(in_a_line(context["message"], context.get("exception")))
-
-    def note(self, connection: GuardedConnection, what: str) -> None:
-        log.warning("%s: refused %s", connection.name, ascii(what)[1:-1][:300])  # it may hold what the client wrote
 
     def belongs_to_another(self, uuid: str) -> bool:
         clients = {} if self._server is None else self._server.get_clients()
@@ -101,7 +99,7 @@ class AccessControl:
         try:
             return await self._answer_as_asked(connection, request, viser_answers)
         except MultipleValuesError as header:
-            self.note(connection, f"a request with more than one {header}")
+            connection.note(f"a request with more than one {header}")
             return plain_response(HTTPStatus.BAD_REQUEST, "a header that may come once comes twice\n")
         except Exception as error:
             log.error(in_a_line("a request could not be answered", error))
@@ -149,12 +147,10 @@ class AccessControl:
 
     def _refuse_seat(self, connection: GuardedConnection, host: str, origin: str | None) -> Response | None:
         if origin is not None and not is_own_page(Origin(origin), host, self._origins):
-            self.note(connection, f"a page of {origin} on {host}; --origin {origin} would let it in")
+            connection.note(f"a page of {origin} on {host}; --origin {origin} would let it in")
             return plain_response(HTTPStatus.FORBIDDEN, "not from there")
         if no_seat := self._no_seat(connection):
-            self.note(connection, f"a seat: {no_seat[1]}")
+            connection.note(f"a seat: {no_seat[1]}")
             return plain_response(no_seat[0], no_seat[1])
-        self.pending.discard(connection)
-        self.seats.add(connection)
         connection.take_seat()
         return None

@@ -350,7 +350,7 @@ class Session:
         ResidualFunction
             Own images (..., N, 4) px → residuals (..., n, C) px.
         """
-        return self.learner.predicted_residuals(self._past, now)
+        return self.learner.predicted_residuals(self._past, now, now.servo.mirror_columns)
 
     def change(self, **fields: Any) -> None:
         """Change fields of the settings from here on.

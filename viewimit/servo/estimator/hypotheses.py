@@ -74,9 +74,13 @@ class Estimate:
         why = self.explanation
         return why.misfit.kind in GOALS and why.is_convincing(options.max_sigmas, CLEAR)
 
+    def std_per_unit(self, noise_px: float) -> Array:
+        """Standard error by noise of one image unit, (m,) rad. noise_px: of an own image, without a fit."""
+        return self.std / (noise_px if self.fit is None else self.fit.std)
+
     def open_joints(self, options: EstimatorOptions, noise_px: float) -> NDArray[np.bool_]:
-        """Which joints the images leave open, (m,) bool. noise_px: of an own image, without a fit."""
-        return ~(self.std < options.max_std_per_px * (noise_px if self.fit is None else self.fit.std))
+        """Which joints the images leave open, (m,) bool. noise_px: as of `std_per_unit`."""
+        return ~(self.std_per_unit(noise_px) < options.max_std_per_unit)
 
     def is_clear(self, options: EstimatorOptions) -> bool:
         """Whether another hypothesis explains the images, and no third nearly as well."""

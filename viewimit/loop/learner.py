@@ -199,8 +199,8 @@ class Learner:
     def predicted_residuals(self, past: Past, now: Snapshot, mirror_columns: bool = True) -> PredictedResiduals:
         """Make the function that a servo calls for the residuals of images that it predicts.
 
-        past: up to the present one; now: gives the demonstrator's images; mirror_columns: as of `PredictedResiduals`. It
-        maps own images (..., N, 4) px to residuals (..., n, C) px.
+        past: up to the present one; now: gives the demonstrator's images; mirror_columns: as of `PredictedResiduals`.
+        It maps own images (..., N, 4) px to residuals (..., n, C) px.
         """
         velocity = target_velocity([one.views for one in past[-VELOCITY_LOOKS:]])
         return now.predicted_residuals(velocity, self.observer.image_noise_std(now.settings), mirror_columns)

@@ -1,8 +1,6 @@
 """Checks of what a browser sent: anything may come."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 from viewimit.drawing import svg
 from viewimit.loop.settings import FIELDS, Setting, Settings, disturbances, given
@@ -211,12 +209,6 @@ class View:
         """Return whether a switch is on, by its name."""
         chosen = getattr(self, switch)
         return self.prefers_dark if chosen is None else chosen
-
-
-def switched(view: View, show: Mapping[str, bool]) -> View:
-    """Return a view with the switches on or off that are kept by their names."""
-    known: dict[str, Any] = {name: show[name] for name in SWITCHES if name in show}
-    return replace(view, **known)
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,8 @@ from viewimit.loop.script import Script
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
-from .choices import SWITCHES, Preset, View, presets_from, switched
-from .following import Played
-from .link import VERSUS, described, nearest, usual
+from .choices import SWITCHES, Preset, View
+from .link import VERSUS, Played, described, nearest, usual
 from .page_model import PageModel, Redraw
 
 MAX_READABLE = 6_000  # characters of a query, above which its script is packed
@@ -128,8 +127,7 @@ def become(model: PageModel, played: Played, now: float) -> None:
     if played.is_own:
         model.past.clear()
     begun = page.script.settings
-    offered = presets_from(model.begun).values()
-    same = [preset for preset in (page.preset, *offered) if usual(preset) == begun]
+    same = [preset for preset in (page.preset, *model.presets.offered.values()) if usual(preset) == begun]
     model.presets.chosen = same[0] if same else page.preset
     if any(getattr(begun, name) != getattr(usual(page.preset), name) for name in BODIES) and not same:
         model.presets.chosen = Preset(FROM_LINK, begun, page.speed, "As it was sent.")
@@ -137,7 +135,7 @@ def become(model: PageModel, played: Played, now: float) -> None:
     model.tour_offered = model.tour_offered and page.offers_tour
     dark = model.view.dark if page.dark is None else page.dark
     chosen = largest_residual(model.session.snapshot) if page.chosen == -1 else page.chosen
-    model.view = replace(switched(model.view, page.show), chosen=chosen, dark=dark)
+    model.view = replace(model.view, chosen=chosen, dark=dark, **page.show)
     model.undoable.after_restart()
     for opponent in played.sessions[1:]:
         model.duel.resume(opponent)
@@ -201,6 +199,6 @@ class Keeper:
         session, view, opponent = model.session, model.view, model.duel.opponent
         return (
             session.snapshot, len(session.history), model.preset, model.player.speed,
-            *(getattr(view, name) for name in ("chosen", "dark", *SWITCHES)), model.tour_offered, model.motions.file,
-            None if opponent is None else opponent.snapshot,
+            *(getattr(view, name) for name in ("chosen", "dark", *SWITCHES)), model.tour_offered,
+            model.motions.recorded, None if opponent is None else opponent.snapshot,
         )  # fmt: skip

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import msgspec
 
+from viewimit.analysis.trajectory import encode_motion
 from viewimit.drawing.export.panels import largest_residual
 from viewimit.loop import link
 from viewimit.loop.embodiment import to_degrees
@@ -52,7 +53,9 @@ def tab_link(model: PageModel) -> tuple[str, str]:
     if session.cursor < len(session.history) - 1 and not why:
         extra.append(("at", str(session.cursor)))
     extra += _view_pairs(model)
-    for motion, one, versus in ((model.motions.file, script, other), (None, script, other), (None, script, None)):
+    recorded = model.motions.recorded
+    motion_file = None if recorded is None else encode_motion(recorded)
+    for motion, one, versus in ((motion_file, script, other), (None, script, other), (None, script, None)):
         try:
             return link.joined(_pairs(model, one, versus, motion=motion) + extra), why
         except ValueError as error:

@@ -116,7 +116,7 @@ def test_what_a_query_cannot_say_is_packed_and_comes_back():
     again = begun(page.kept).page.model
     same(model, again)
     assert again.session.settings.body_points == model.session.settings.body_points
-    assert again.motions.file == model.motions.file
+    assert again.motions.recorded == model.motions.recorded
 
 
 def _motion(model: PageModel):

@@ -170,19 +170,16 @@ class Keeper:
         self._model, self._send = model, send
         self._redraw, self._allowed, self._last = Redraw(), float(AT_ONCE), 0.0
         self._redraw.changed("state", self._state())  # as the page was built: it needs no storing
-        self._has_changed = self._has_acted = self._has_restored = False
+        self._has_changed = self._has_acted = False
         self._text, self._why = "", ""
 
     def tick(self, now: float, acted: int) -> None:
         """Send what has changed. acted: number of the last action that was applied."""
         model = self._model
-        self._has_restored |= model.following.restores
         if not model.is_kept or model.following.restores:
             return
-        has_changed = self._redraw.changed("state", self._state())
-        self._has_changed |= has_changed and not self._has_restored  # the tab stores the restored state already
+        self._has_changed |= self._redraw.changed("state", self._state())
         self._has_acted |= self._redraw.changed("acted", (acted,))
-        self._has_restored = False
         self._allowed = min(self._allowed + (now - self._last) / SEND_EVERY, float(AT_ONCE))
         self._last = now
         if self._allowed < (1 if self._has_changed else AT_ONCE) or not (self._has_changed or self._has_acted):

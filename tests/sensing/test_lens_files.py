@@ -85,10 +85,11 @@ def test_anipose(tmp_path):
     "change, message",
     [
         ({"distortion_model": "equidistant"}, "equidistant"),
-        (
-            {"distortion_model": "rational_polynomial", "distortion_coefficients": {"data": [*D, 0.1, 0.2, 0.3]}},
-            "8 coefficients",
-        ),
+        ({"is_fisheye": 1}, "fisheye"),
+        ({"lens_type": "Kannala-Brandt"}, "fisheye.undistortPoints"),
+        ({"distortion_coefficients": {"data": D[:3]}}, "k1, k2, k3"),
+        ({"distortion_coefficients": {"data": [*D, 0.1, 0.2, 0.3]}}, "8 coefficients"),
+        ({"camera_matrix": {"data": np.transpose(K).ravel().tolist()}}, "transposed"),
         ({"camera_matrix": {"data": [1.0, 2.0]}}, "9 numbers"),
         ({"camera_matrix": None}, "no camera matrix"),
     ],

@@ -218,14 +218,8 @@ class PathLabels:
     ) -> str:
         """Draw all labels.
 
-        Parameters
-        ----------
-        history, cursor
-            Snapshots, and the index of the shown one.
-        theta
-            Where the arm is shown while it moves, (m,) rad; only the learner's label follows it. None at rest.
-        points
-            The path as it is drawn, (k, 2) px.
+        history, cursor: snapshots, and the index of the shown one; theta: where the arm is shown while it moves, (m,)
+        rad; only the learner's label follows it. None at rest; points: the path as it is drawn, (k, 2) px.
         """
         start, here = history[0].theta, history[cursor].theta
         path = len(history), cursor, start.tobytes(), here.tobytes()

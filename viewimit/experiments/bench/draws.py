@@ -79,16 +79,9 @@ def _projected(scene: bytes, points: int) -> ProjectedEyes:
 class SurfaceEyes(ProjectedEyes):
     """Points on the robot's surface, hidden where it is turned away from the camera.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene, in which `body` takes the place of its layouts.
-    body : BodyPoints
-        N points.
-    normals : (N, 3) array or None
-        Unit normals in the links' frames; None: all points are seen.
-    hidden : float
-        A point is hidden up to this cosine of the angle between its normal and the direction to a camera.
+    scene: `body` takes the place of its layouts; body: N points; normals: (N, 3), unit normals in the links' frames,
+    None if all points are seen; hidden: a point is hidden up to this cosine of the angle between its normal and the
+    direction to a camera.
     """
 
     def __init__(self, scene: Scene, body: BodyPoints, normals: NDArray[np.float64] | None, hidden: float = 0.0):

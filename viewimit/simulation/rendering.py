@@ -37,11 +37,7 @@ Layer = tuple[NDArray[np.floating], Colours]  # inverse depths [1/m] and packed 
 class Studio:
     """A room in which an arm stands at each of two bases. The room is drawn once for each camera.
 
-    Parameters
-    ----------
-    world : World
-    markers : Markers
-        The balls that both arms wear.
+    markers: the balls that both arms wear.
     """
 
     def __init__(self, world: World, markers: Markers):

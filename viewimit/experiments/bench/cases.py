@@ -17,6 +17,7 @@ from ...loop.snapshot import RunResult
 from ...servo import SERVOS, MisfitKind
 from ...simulation.eyes import open_eyes
 from ...simulation.scene import Scene, load_scene
+from ...simulation.scene_writing import whole_text
 from . import demonstrators as other
 from . import measures
 from .draws import (
@@ -29,7 +30,6 @@ from .draws import (
     draw_postures,
     draw_scene,
     open_resized,
-    scene_text,
     shared_eyes,
     surface_points,
 )
@@ -238,7 +238,7 @@ def any_head(draw: Draw, **changes: Any) -> Session:
     """A new random scene for each run, with any head."""
     drawn = draw_scene(draw.rng, any_head=True)
     eyes = changes.pop("open_eyes", open_resized)
-    return posed(draw, open_eyes=partial(eyes, size=drawn.size), scene=scene_text(drawn.scene), points=drawn.points,
+    return posed(draw, open_eyes=partial(eyes, size=drawn.size), scene=whole_text(drawn.scene), points=drawn.points,
                  **changes)  # fmt: skip
 
 
@@ -253,7 +253,7 @@ def _pairs(seed: int, scene: int, any_head: bool) -> tuple[str, int, float, list
     low, high = np.transpose(drawn.scene.range_deg)
     pairs = rng.uniform(low, high, (PAIRS_PER_SCENE, 2, 2)).tolist()
     seeds = [int(rng.integers(2**32)) for _ in pairs]
-    return scene_text(drawn.scene), drawn.points, drawn.size, pairs, seeds
+    return whole_text(drawn.scene), drawn.points, drawn.size, pairs, seeds
 
 
 def in_scenes(draw: Draw, any_head: bool, **changes: Any) -> Session:

@@ -64,10 +64,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from ..classroom.answers import asks_of
-    from ..classroom.pages import class_pages, lessons_of
     from ..classroom.room import Room
-    from ..classroom.server import ClassServer, ServerOptions
+    from ..classroom.server import ClassServer, ServerOptions, class_pages
     from ..classroom.store import Store
+    from ..lab.lessons.source import find, shipped
     from ..server.address import listen, require_free, require_origin
 
     with naming("--embed"):
@@ -79,7 +79,7 @@ def run(args: argparse.Namespace) -> int:
             require_origin(origin)
     options = ServerOptions(tuple(args.embed), origins, args.trust_proxy)
     with naming("--lesson"):
-        lessons = lessons_of(args.lesson)
+        lessons = dict(map(find, args.lesson)) if args.lesson else shipped()
         pages = class_pages(lessons, options.embed)
     with naming("--data"):
         path = args.data or _usual_file(args.port)

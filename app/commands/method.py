@@ -27,7 +27,7 @@ def change_servo(model: PageModel, name: Servo) -> None:
 @command("disturbance", latest=True, moves=True)
 def change_disturbance(
     model: PageModel,
-    name: Annotated[str, one_of({name: name for name in AMOUNTS}, "there is no disturbance {value}")],
+    name: Annotated[str, one_of(AMOUNTS.keys(), "there is no disturbance {value}")],
     value: float,
 ) -> None:
     """Change a disturbance. value: in the units of its slider."""

@@ -20,7 +20,7 @@ from ..model.queue import choice, number, one_of
 from .registry import command
 
 MESSAGE_S = 6.0  # s that a message stays
-Word = Annotated[str, one_of(lambda: {key: key for key in glossary()}, "the glossary has no entry {value}")]
+Word = Annotated[str, one_of(lambda: glossary().keys(), "the glossary has no entry {value}")]
 Angles = Annotated[tuple[float, ...], lambda value: tuple(map(number, value.split(",")))]  # degrees, "25,-45"
 Position = Annotated[NDArray, lambda value: np.array(value, float)]  # (3,) m in the world
 

@@ -188,7 +188,7 @@ class Presets:
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
 WINDOW = "window"  # instead of all tabs' names
 SWITCHES = "goal", "rays", "residuals", "gizmo", "whole_frames", "rectified", "shadows", "details"  # kept by name
-SWITCHED = {name: name for name in (*SWITCHES, "flat", "dark", "look_only")}  # that the visitor sets
+SWITCHED = *SWITCHES, "flat", "dark", "look_only"  # that the visitor sets
 
 
 @dataclass(frozen=True)

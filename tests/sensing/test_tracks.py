@@ -195,7 +195,7 @@ def test_full_names_of_views_and_those_of_the_paper_are_read_alike(tmp_path, tid
     full = tmp_path / "full.csv"
     full.write_text(re.sub("(?m)^0,([lrLR]),", lambda found: f"0,{VIEW_NAMES[found[1]]},", tidy.read_text()))
     mixed = tmp_path / "mixed.csv"
-    mixed.write_text(re.sub("(?m)^0,([rL]),", lambda found: f"0, {VIEW_NAMES[found[1]]} ,", tidy.read_text()))
+    mixed.write_text(re.sub("(?m)^0,([rL]),", lambda found: f"0, {VIEW_NAMES[found[1]].title()} ,", tidy.read_text()))
     by_name = {VIEW_NAMES[view]: path for view, path in deeplabcut.items()}
     for found in (read_tidy(full), read_tidy(mixed), read_files(by_name), read_files(deeplabcut)):
         np.testing.assert_array_equal(found.views().demo[0], views.demo)

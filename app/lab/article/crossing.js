@@ -6,6 +6,7 @@ import {spreadOf} from "../lessons/figures/crossing.js";
 import {diamonds} from "../lessons/figures/drawing.js";
 import {Images} from "../view/images.js";
 import {fixed} from "../view/svg.js";
+import {reachable} from "./frame.js";
 import {imageOf, Overlay, sessionOf} from "./views.js";
 
 const POSE = [45 * DEGREE, -90 * DEGREE], HAND = 8, USUAL_CM = 60, USUAL_NOISE_PX = 1;
@@ -56,9 +57,7 @@ export function crossing(frame, data) {
   frame.hint.textContent = "Drag the ringed point in l or r, or press the arrow keys there: "
     + "its line moves, and the crossing with it.";
   for (const [box, view] of /** @type {const} */ ([[boxes.l, 0], [boxes.r, 1]])) {
-    Object.assign(box, {tabIndex: 0});
-    box.setAttribute("aria-label", `Picture ${"lr"[view]}. Arrow keys move the ringed point by one pixel.`);
-    box.setAttribute("role", "group");
+    reachable(box, `Picture ${"lr"[view]}. Arrow keys move the ringed point by one pixel.`);
     frame.drag(box, event => {
       const at = mark().slice(2 * view), [x, y] = images.under(event, view), grip = [at[0] - x, at[1] - y];
       if (Math.hypot(...grip) * images.view(view).window.scale > GRIP_PX) return null;

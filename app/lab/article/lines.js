@@ -49,7 +49,7 @@ export function lines(frame, data) {
   frame.hint.textContent = "Drag the mark along its ray, or along the line in picture L. "
     + "A tap on another point chooses it.";
   frame.drag(room, event => {
-    const [x, y] = outside.place(place(share)), [u, v] = outside.under(event);
+    const [x, y] = outside.at(place(share)), [u, v] = outside.under(event);
     return Math.hypot(x - u, y - v) > GRIP_PX ? null
       : next => move(outside.share(outside.under(next), place(0), place(1)));
   });
@@ -81,7 +81,7 @@ export function lines(frame, data) {
     measure() {
       outside.measure();
       const marked = Array.from({length: world.body.length}, (_, i) => body.subarray(3 * i, 3 * i + 3));
-      outside.aim(AZIMUTH, ELEVATION, [...marked, l.centre, beside.centre, place(FAR)]);
+      outside.look(AZIMUTH, ELEVATION, [...marked, l.centre, beside.centre, place(FAR)]);
       images.measure();
     },
     draw() {

@@ -1,8 +1,11 @@
 /** What several figures do with the four images: a moment to draw, a hand that is dragged, marks over a drawing.
  * @import {World} from "../engine/world.js" @import {Images} from "../view/images.js" */
-import {Session} from "../engine/engine.js";
+import {DEGREE, Session} from "../engine/engine.js";
 import {dots, polyline} from "../lessons/figures/drawing.js";
 import {add, px, set} from "../view/svg.js";
+
+/** The pose of the demonstrator and the start of the learner in figures, rad. */
+export const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DEGREE];
 
 /** A session of the paper's transfer, for its snapshots.
  * @param {World} world @param {number[]} demonstrator @param {number[]} start @param {string} [servo] */

@@ -33,7 +33,7 @@ import {Stage} from "./stage.js";
 import {StepScreen} from "./step-screen.js";
 import {Store} from "./store.js";
 import {isForPage} from "../view/keys.js";
-import {byId as $, fault, unpacked} from "../view/page.js";
+import {byId as $, fault, perFrame, unpacked} from "../view/page.js";
 
 const WORDS_A_MINUTE = 200, LOOKING_S = 25, ACTING_S = 50, ROUND_S = 15; // of a step: to estimate the time that is left
 const FIRST_SEEDS = 97, MAX_SHARED = 60; // motions that others are sent
@@ -65,6 +65,7 @@ function begin(data) {
    * suspended */
   let before = null;
   let isFrozen = false, isLed = false, isHeld = false, isTruthHidden = false, isArriving = false;
+  const redraw = perFrame(draw);
   const isLocked = () => isFrozen || isLed, kept = () => store.of(lesson.name);
 
   /** The state of viewimit's page that one came from, as its links have it. */
@@ -302,15 +303,6 @@ function begin(data) {
 
   // Drawing
 
-  let isDue = false;
-  function redraw() {
-    if (isDue) return;
-    isDue = true;
-    requestAnimationFrame(() => {
-      isDue = false;
-      draw();
-    });
-  }
   function draw() {
     screen?.draw();
     drawHead();

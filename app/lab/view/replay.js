@@ -4,7 +4,7 @@
 import {World} from "../engine/engine.js";
 import {Angles} from "./curve.js";
 import {listen} from "./keys.js";
-import {byId as $, copy} from "./page.js";
+import {byId as $, copy, perFrame} from "./page.js";
 import {Recorded} from "./recorded.js";
 import {Sliders} from "./sliders.js";
 import {energyText, fixed, say, smoothstep} from "./svg.js";
@@ -26,9 +26,9 @@ export class Replay {
     this.world = new World(scene);
     this.angles = new Angles($("angles"));
     this.still = matchMedia("(prefers-reduced-motion: reduce)");
+    this.redraw = perFrame(() => this.draw());
     this.isOpen = false;
     this.isPlaying = false;
-    this.isDue = false;
     this.shown = this.now = this.since = 0;
     this.last = run.snapshots.length - 1;
     this.chosen = run.chosen ?? 0;
@@ -93,15 +93,6 @@ export class Replay {
     if (!on) return void this.redraw();
     if (this.now === this.last) this.show(0);
     requestAnimationFrame(at => this.#tick(at));
-  }
-
-  redraw() {
-    if (this.isDue) return;
-    this.isDue = true;
-    requestAnimationFrame(() => {
-      this.isDue = false;
-      this.draw();
-    });
   }
 
   /** A size or the colours have changed. */

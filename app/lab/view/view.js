@@ -66,7 +66,7 @@ export class View {
 
   /** Where a point of the world is drawn in the scene, px. @param {ArrayLike<number>} point */
   place(point) {
-    return this.isFlat || !this.space ? this.still.place(point).map(v => v * drawingUnit()) : this.space.project(point).slice(0, 2);
+    return this.isFlat || !this.space ? this.still.at(point).map(v => v * drawingUnit()) : this.space.project(point).slice(0, 2);
   }
 
   /** Another scene, or the same again. @param {Scene} scene */
@@ -154,7 +154,7 @@ export class View {
     still.measure();
     const landmarks = this.scene?.stage.landmarks ?? [];
     const above = cameras.map(({centre: [x, y, z]}) => [x, y, NAMED * z]);
-    still.aim(this.azimuth, this.elevation, [...landmarks, ...above]);
+    still.look(this.azimuth, this.elevation, [...landmarks, ...above]);
     const ghost = goal ? [{frames: arms.learner.linkFrames(thetaDemo), kind: "draw-guess"}] : [];
     const head = cameras[0].centre.map((v, i) => (v + cameras[1].centre[i]) / 2);
     const bases = [arms.demonstrator, arms.learner].map(({T_world_base: T}) => [T[3], T[7], T[11]]);

@@ -21,7 +21,7 @@ export function crossing(frame, data) {
   const images = new Images(boxes, data.hulls);
   const over = {
     l: new Overlay(images, 0, ["vi-mark"]), r: new Overlay(images, 1, ["vi-mark"]),
-    L: new Overlay(images, 2, ["vi-spread", "vi-draws", "vi-found vi-over"]),
+    L: new Overlay(images, 2, ["vi-draws", "vi-found vi-over"]),
   };
   let baseline = USUAL_CM, noise = USUAL_NOISE_PX, shift = [0, 0, 0, 0], world = seenWith(USUAL_CM), now = moment();
   const draws = normals();
@@ -87,10 +87,10 @@ export function crossing(frame, data) {
     draw() {
       const {found, lines, angle, halfAxes, direction, fitted, at} = construction();
       const recovered = now.views.demo.map(() => NaN);
-      images.draw(world, {moment: now, recovered, lines, chosen: HAND, goal: false, ease: 1});
+      images.draw(world, {moment: now, recovered, lines, chosen: HAND, goal: false, ease: 1,
+        construction: {ellipses: [{x: found[0], y: found[1], long: halfAxes[0], short: halfAxes[1], turn: direction / DEGREE}], steps: null}});
       over.l.marks("vi-mark", [at.slice(0, 2)]);
       over.r.marks("vi-mark", [at.slice(2)]);
-      over.L.ellipse("vi-spread", found, halfAxes, direction);
       over.L.marks("vi-draws", noise ? draws.map(n => fitted.recover(at.map((v, k) => v + noise * n[k]))) : []);
       over.L.marks("vi-found vi-over", [found], points => diamonds(points, 4));
       frame.say(

@@ -94,9 +94,7 @@ function number(stage, host) {
     host.answered();
   });
   return {
-    element: make("div", {class: "number"}, output, input,
-      make("div", {class: "ends", "aria-hidden": true}, make("span", {}, `${low}${unit}`),
-      make("span", {}, `${high}${unit}`))),
+    element: make("div", {class: "number"}, output, input, ends(`${low}${unit}`, `${high}${unit}`)),
     update() {
       const {number: value} = stage.answer, words = value === undefined ? "?"
         : `${short(value).replace(/\.0+$/, "")}${unit}`;
@@ -105,6 +103,9 @@ function number(stage, host) {
     },
   };
 }
+
+/** What stands under a slider. @param {...string} words */
+const ends = (...words) => make("div", {class: "ends", "aria-hidden": true}, ...words.map(one => make("span", {}, one)));
 
 /** Something to be reached. @param {Stage} stage @param {Host} host @returns {Asked} */
 function task(stage, host) {
@@ -162,9 +163,7 @@ function bet(stage, host) {
     host.answered();
   });
   return {
-    element: make("div", {class: "number"}, which, output, input,
-      make("div", {class: "ends", "aria-hidden": true}, make("span", {}, "surely false"), make("span", {}, "no idea"),
-      make("span", {}, "surely true"))),
+    element: make("div", {class: "number"}, which, output, input, ends("surely false", "no idea", "surely true")),
     update() {
       const words = isAnswered(stage) && stage.answer.bet !== undefined ? `${stage.answer.bet} %` : "?";
       output.textContent = words;

@@ -2,6 +2,7 @@
  * moving the demonstrator costs transfers only.
  * @import {Look, Who} from "../engine/world.js" @import {Stage} from "./stage.js" */
 import {DEGREE, energyAt, Landscape, lowest, matched, TRANSFERS, World} from "../engine/engine.js";
+import {median} from "../engine/algebra.js";
 import {once} from "./once.js";
 
 const MOVING_DEG = 3; // of maps that a slider of the eyes updates
@@ -57,9 +58,7 @@ export const medianCondition = (world, transfer, demo, stepDeg) => once(world, "
     const used = matched(world, demo, grid.posture(g));
     if (used) found.push(Math.min(TRANSFERS[transfer].fit(used.demo, used.own).condition, WORST_CONDITION));
   }
-  found.sort((a, b) => a - b);
-  const middle = (found.length - 1) / 2;
-  return (found[Math.floor(middle)] + found[Math.ceil(middle)]) / 2;
+  return median(found);
 }, `${stepDeg} ${seenBy(transfer, demo)}`);
 
 /** Images of the demonstrator, with swapped points if the step has some. @param {Stage} stage @returns {Look} */

@@ -4,8 +4,8 @@
  * @typedef {{frames: ArrayLike<number>[], kind: string}} Body T_world_link of every link; kind: its class, as
  * vi-demo
  * @typedef {{camera: Camera, kind: string, name: string}} Eye
- * @typedef {{bodies: Body[], eyes: Eye[], lines: [ArrayLike<number>, ArrayLike<number>, string][], dots:
- * [ArrayLike<number>, string][], labels: [ArrayLike<number>, string, string][]}} Seen bodies: the farthest first;
+ * @typedef {{bodies: Body[], eyes: Eye[], lines?: [ArrayLike<number>, ArrayLike<number>, string][], dots?:
+ * [ArrayLike<number>, string][], labels?: [ArrayLike<number>, string, string][]}} Seen bodies: the farthest first;
  * lines: from, to, class; dots: place, class; labels: place, text, class @import {Camera} from "../engine/camera.js" */
 import {around} from "../lessons/figures/drawing.js";
 import {backProject, dot, transform} from "../engine/engine.js";
@@ -64,7 +64,7 @@ export class Outside extends Plane {
   }
 
   /** @param {Seen} seen @param {string} label what a screen reader says */
-  draw({bodies, eyes, lines, dots, labels}, label) {
+  draw({bodies, eyes, lines = [], dots = [], labels = []}, label) {
     const at = (/** @type {ArrayLike<number>} */ p) => this.at(p).map(px).join(" ");
     const html = [...bodies.map(body => this.#arm(body)), ...eyes.map(eye => this.#eye(eye)),
       ...lines.map(([a, b, kind]) => `<path class="${kind}" d="M${at(a)}L${at(b)}"/>`),

@@ -3,7 +3,7 @@
  * @import {Run} from "./recorded.js" @import {State} from "./address.js" @import {View, Scene} from "./view.js" */
 import {World} from "../engine/engine.js";
 import {Angles} from "./curve.js";
-import {listen} from "./keys.js";
+import {listen, press} from "./keys.js";
 import {byId as $, copy, perFrame} from "./page.js";
 import {Recorded} from "./recorded.js";
 import {Sliders} from "./sliders.js";
@@ -237,13 +237,11 @@ export class Replay {
   }
 
   #controls() {
-    /** @type {Record<string, () => void>} */
-    const buttons = {
+    press({
       run: () => this.play(!this.isPlaying),
       back: () => this.jump(this.now - 1), forward: () => this.jump(this.now + 1),
-      scheme: () => this.#recolour(), fit: () => this.view.space?.fit(), takeover: () => this.#takeOver(),
-    };
-    for (const [id, act] of Object.entries(buttons)) $(id).addEventListener("click", () => { if (this.isOpen) act(); });
+      scheme: () => this.view.recolour(this), fit: () => this.view.space?.fit(), takeover: () => this.#takeOver(),
+    }, () => this.isOpen);
     $("time").addEventListener("input", () => this.jump(Number($("time").value)));
     for (const id of ["goal", "rays"]) $(id).addEventListener("change", () => this.redraw());
     $("images").addEventListener("click", (/** @type {PointerEvent} */ event) => {
@@ -266,17 +264,12 @@ export class Replay {
       ArrowLeft: () => this.jump(this.now - 1), ArrowRight: () => this.jump(this.now + 1),
       Home: () => this.jump(0), End: () => this.jump(this.last), "+": () => faster(1), "-": () => faster(-1),
       PageUp: () => this.jump(this.now - LEAP), PageDown: () => this.jump(this.now + LEAP),
-      d: () => this.#recolour(), v: () => this.view.space?.fit(), r: () => toggle("rays"), g: () => toggle("goal"),
+      d: () => this.view.recolour(this), v: () => this.view.space?.fit(), r: () => toggle("rays"), g: () => toggle("goal"),
       n: () => this.choose((this.chosen + 1) % (this.moment.views.own.length / 4)),
     };
     if (this.takeOver) keys.t = () => this.#takeOver();
     for (let digit = 0; digit < 10; digit++) keys[digit] = () => this.choose(digit);
     listen(keys, () => this.isOpen);
-  }
-
-  #recolour() {
-    this.view.recolour();
-    this.resized();
   }
 }
 

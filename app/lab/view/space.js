@@ -24,6 +24,7 @@
  * @property {boolean} [rays] whether all points are joined with their images
  * @property {[Vector, Vector, string, number, number][]} [lines] from, to, role, width px, opacity */
 import {cross, dot, unit as normalised} from "../engine/algebra.js";
+import {perFrame} from "./page.js";
 import {LINE_FS, LINE_VS, FLAT_FS, FLOOR_FS, SOLID_FS, SOLID_VS} from "./shaders.js";
 
 const VIEWS = ["l", "r", "L", "R"], NAME_PX = 13, ROOM_PX = 9; // of an image's name from its plate, and from any line
@@ -295,7 +296,6 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
     for (const {T, colour, shape: what} of set.solids) draw(how, what, T, colours[colour]);
   };
   let shown = /** @type {Shown | null} */ (null);
-  let waits = false;
   const resize = () => {
     const ratio = Math.min(devicePixelRatio || 1, 2);
     const [w, h] = [canvas.clientWidth, canvas.clientHeight].map(px => Math.max(1, Math.round(px * ratio)));
@@ -304,7 +304,6 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
     if (untouched && set) fit();
   };
   const paint = () => {
-    waits = false;
     const began = performance.now();
     if (!shown || !set || gl.isContextLost()) return;
     resize();
@@ -390,11 +389,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
       slow?.();
     } else later();
   };
-  const later = () => {
-    if (waits) return;
-    waits = true;
-    requestAnimationFrame(paint);
-  };
+  const later = perFrame(paint);
 
   // Hands: one turns, two pinch and shift; the wheel zooms where it does not scroll
   const hands = /** @type {Map<number, {x: number, y: number}>} */ (new Map());

@@ -11,12 +11,13 @@ import {backProject, transform, triangulate} from "../engine/engine.js";
 import {Curve} from "./curve.js";
 import {Images, outermost, silhouette} from "./images.js";
 import {EnergyMap} from "./map.js";
+import {Memory} from "./memory.js";
 import {byId as $} from "./page.js";
 import {Outside} from "./outside.js";
 import {openSpace} from "./space.js";
 import {drawingUnit, fixed, px, say, set} from "./svg.js";
 
-const IN_3D = "viewimit-in-3d"; // what the browser keeps of a visitor who wants 3-D though it is slow
+const kept = new Memory(() => localStorage, "viewimit-"), IN_3D = "in-3d"; // what the browser keeps of a visitor who wants 3-D though it is slow
 const NAMED = 1.32; // height of what must be in sight above an eye, for its name, times that of the eye
 const PLATE_M = 0.17; // from a camera to its image plate, times the size of the scene
 /** @type {Record<"points" | "chosen", [number, number]>} px and opacity of lines in 3-D */
@@ -35,7 +36,7 @@ export class View {
     this.isFlat = false;
     this.flatten(!this.space);
     $("in-3d").addEventListener("click", () => {
-      try { localStorage.setItem(IN_3D, "1"); } catch { /* then the next visit asks again */ }
+      kept.set(IN_3D, "1");
       this.flatten(false, changed);
     });
     this.azimuth = robot.view.azimuth;
@@ -89,11 +90,12 @@ export class View {
     return moves;
   }
 
-  /** Light or dark, in turn. */
-  recolour() {
+  /** Light or dark, in turn. @param {{resized: () => void}} shown is drawn again, with its map */
+  recolour(shown) {
     const root = document.documentElement.dataset;
     root.scheme = root.scheme === "dark" ? "light" : "dark";
     this.space?.recolour();
+    shown.resized();
   }
 
   /** @param {World} world @param {Shown} shown */
@@ -174,9 +176,7 @@ export class View {
  * @param {import("./space.js").Common} robot @param {ArrayBuffer} meshes
  * @param {() => void} slow when its first frames have taken too long, unless a visitor wants it all the same */
 function opened(robot, meshes, slow) {
-  let isWanted = false;
-  try { isWanted = Boolean(localStorage.getItem(IN_3D)); } catch { /* a page that may not store */ }
-  try { return openSpace($("space"), $("labels"), robot, meshes, isWanted ? null : slow); } catch (error) { console.warn(error); }
+  try { return openSpace($("space"), $("labels"), robot, meshes, kept.get(IN_3D) ? null : slow); } catch (error) { console.warn(error); }
   return null;
 }
 

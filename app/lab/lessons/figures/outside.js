@@ -52,7 +52,6 @@ class Room {
     view.draw({
       bodies: hasArm ? [{frames: demonstrator.linkFrames(theta), kind: "vi-demo"}] : [],
       eyes: layers.has("cameras") ? cameras.map((camera, k) => ({camera, kind: k ? "" : "vi-demo", name: ""})) : [],
-      lines: [], dots: [], labels: [],
     }, this.#label(stage, layers));
     this.floor.setAttribute("d", this.#grid());
     const html = this.#over(stage, layers, cameras);
@@ -73,7 +72,6 @@ class Room {
     view.draw({
       bodies: [{frames: frames[0], kind: "vi-demo"}, {frames: frames[1], kind: ""}, ...guess],
       eyes: layers.has("eyes") ? cameras.map((camera, k) => ({camera, kind: k < 2 ? "vi-demo" : "", name: ""})) : [],
-      lines: [], dots: [], labels: [],
     }, `From outside: the orange demonstrator, the blue learner, and ` +
       `${layers.has("eyes") ? "the two eyes on a pole that look at both" : "the room"}.`);
     this.floor.setAttribute("d", this.#grid());

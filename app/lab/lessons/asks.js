@@ -6,7 +6,7 @@
  * @typedef {{answered: () => void, startAgain: () => void, isLocked: () => boolean, bar: (k: number) => {count:
  * number, share: number} | null}} Host what the page does about it; bar: how many of a class have given an answer */
 import {isAnswered, isReached, rightChoice} from "./answers.js";
-import {inline, isTouched, make, plain, slider, touched} from "./dom.js";
+import {inline, isTouched, make, option, plain, slider, touched} from "./dom.js";
 import {fill, measure} from "./measures.js";
 import {energy, short} from "./measured.js";
 
@@ -31,27 +31,25 @@ function choice(stage, host) {
     stage.answer = {choice: k};
     host.answered();
   };
-  const options = answers.map(({text}, k) => make("button", {type: "button", class: "option", onclick: () => take(k)},
-    make("kbd", {"aria-hidden": true}, String(k + 1)), make("span", {html: inline(fill(text, stage))}),
-      make("i", {class: "verdict", "aria-hidden": true}), make("span", {class: "unseen"}),
-      make("i", {class: "bar", "aria-hidden": true}),
-      make("small", {class: "count"})));
+  const options = answers.map(({text}, k) => option(String(k + 1), inline(fill(text, stage)), () => take(k),
+    make("i", {class: "verdict", "aria-hidden": true}), make("span", {class: "unseen"}),
+    make("i", {class: "bar", "aria-hidden": true}), make("small", {class: "count"})));
   return {
     element: make("div", {class: "options", role: "group", "aria-label": "Answers"}, ...options),
     update() {
       const right = stage.isRevealed ? rightChoice(stage) : -1;
-      options.forEach((option, k) => {
+      options.forEach((one, k) => {
         const isChosen = stage.answer.choice === k, bar = host.bar(k);
-        option.setAttribute("aria-pressed", String(isChosen));
-        option.disabled = host.isLocked() && !stage.isRevealed;
-        option.setAttribute("aria-disabled", String(stage.isRevealed));
-        option.className = `option${isChosen ? " chosen" : ""}${stage.isRevealed ? k === right ? " right" : isChosen ? " wrong" : " other" : ""}`;
-        option.querySelector(".verdict")?.replaceChildren(stage.isRevealed ? k === right ? "✓" : isChosen ? "✗" : ""
+        one.setAttribute("aria-pressed", String(isChosen));
+        one.disabled = host.isLocked() && !stage.isRevealed;
+        one.setAttribute("aria-disabled", String(stage.isRevealed));
+        one.className = `option${isChosen ? " chosen" : ""}${stage.isRevealed ? k === right ? " right" : isChosen ? " wrong" : " other" : ""}`;
+        one.querySelector(".verdict")?.replaceChildren(stage.isRevealed ? k === right ? "✓" : isChosen ? "✗" : ""
           : "");
         const verdict = !stage.isRevealed ? "" : k === right ? " (right)" : isChosen ? " (your answer, not right)" : "";
-        option.querySelector(".unseen")?.replaceChildren(verdict);
-        option.style.setProperty("--share", bar ? String(bar.share) : "0");
-        option.querySelector(".count")?.replaceChildren(bar ? `${bar.count} · ${Math.round(100 * bar.share)} %` : "");
+        one.querySelector(".unseen")?.replaceChildren(verdict);
+        one.style.setProperty("--share", bar ? String(bar.share) : "0");
+        one.querySelector(".count")?.replaceChildren(bar ? `${bar.count} · ${Math.round(100 * bar.share)} %` : "");
       });
     },
     key(key) {

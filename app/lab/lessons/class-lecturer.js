@@ -7,7 +7,7 @@
  * @typedef {{item: string, persons: number, before: number, after: number}} Item */
 import {CHALLENGE, newChallenge} from "./class-challenge.js";
 import {tab} from "./class-link.js";
-import {inline, make, plain} from "./dom.js";
+import {button, inline, make, plain} from "./dom.js";
 import {isForPage} from "../view/keys.js";
 import {EnergyMap} from "../view/map.js";
 import {add, energyText, escaped} from "../view/svg.js";
@@ -94,33 +94,33 @@ export class Lecturer {
 
   #bar() {
     const {orders, link} = this.room, {asked} = orders, here = this.here(), count = this.people.size;
-    const button = (/** @type {string} */ words, /** @type {() => void} */ act, /** @type {object} */ how = {}) =>
+    const order = (/** @type {string} */ words, /** @type {() => void} */ act, /** @type {object} */ how = {}) =>
       make("button", {type: "button", onclick: () => { act(); this.draw(); }, ...how}, words);
     /** @type {HTMLElement[]} */
     const rows = [make("button", {type: "button", class: "class-count", "aria-expanded": String(Boolean(this.tab)), title: "Who is here (M)", onclick: () => this.open(this.tab ? "" : "Students")},
       make("b", {}, String(count)), " here")];
     if (!link.isOpen) return [...rows, make("span", {class: "warns"}, "No connection to the class’s server.")];
-    if (!this.isLeader) return [...rows, make("span", {class: "warns"}, "Another of your pages leads the class."), button("Take over", () => this.order("take"), {class: "filled"})];
+    if (!this.isLeader) return [...rows, make("span", {class: "warns"}, "Another of your pages leads the class."), order("Take over", () => this.order("take"), {class: "filled"})];
     if (asked) {
       const total = this.results?.now.total ?? 0;
       rows.push(make("span", {class: "class-asked"}, make("b", {}, `${total} of ${count}`), asked.times > 1 ? ` answered, round ${asked.times}` : " answered"));
-      if (!this.#isAtQuestion()) rows.push(button("Go to the question", () => this.#goToQuestion()));
-      if (!asked.revealed) rows.push(button(this.showsAnswers ? "Hide answers" : "Show answers", () => this.#showAnswers(), {"aria-pressed": String(this.showsAnswers)}),
-        button("Reveal", () => this.#reveal(), {class: "filled"}));
-      rows.push(button("Ask again", () => this.#askAgain(), {class: asked.revealed ? "filled" : ""}),
-        button("Close the question", () => this.order("close")));
+      if (!this.#isAtQuestion()) rows.push(order("Go to the question", () => this.#goToQuestion()));
+      if (!asked.revealed) rows.push(order(this.showsAnswers ? "Hide answers" : "Show answers", () => this.#showAnswers(), {"aria-pressed": String(this.showsAnswers)}),
+        order("Reveal", () => this.#reveal(), {class: "filled"}));
+      rows.push(order("Ask again", () => this.#askAgain(), {class: asked.revealed ? "filled" : ""}),
+        order("Close the question", () => this.order("close")));
     } else {
       const again = here && this.count.asked.some((/** @type {any} */ one) => one.lesson === here.lesson && one.step === here.step && one.phase === here.phase);
-      rows.push(button(again ? "Ask again" : "Ask the class", () => this.order("ask", this.here() ?? {}), {class: "filled", disabled: !here}),
-        button("Gather here", () => this.#gather(), {disabled: !here, title: "All go to this step, and on at their own pace"}),
-        button("Challenge", () => this.#challenge(), {title: "All get one pose to copy, in as few steps as possible"}),
-        button(orders.lead ? "Release" : "Lead", () => this.order("lead", {on: !orders.lead}), {"aria-pressed": String(orders.lead), title: "All follow this page"}));
+      rows.push(order(again ? "Ask again" : "Ask the class", () => this.order("ask", this.here() ?? {}), {class: "filled", disabled: !here}),
+        order("Gather here", () => this.#gather(), {disabled: !here, title: "All go to this step, and on at their own pace"}),
+        order("Challenge", () => this.#challenge(), {title: "All get one pose to copy, in as few steps as possible"}),
+        order(orders.lead ? "Release" : "Lead", () => this.order("lead", {on: !orders.lead}), {"aria-pressed": String(orders.lead), title: "All follow this page"}));
     }
-    rows.push(button(orders.frozen ? "Unfreeze" : "Freeze", () => this.order("freeze", {on: !orders.frozen}), {"aria-pressed": String(orders.frozen), title: "Lock the pages of all"}),
-      button(orders.hidden ? "Show truth" : "Hide truth", () => this.#hide(), {"aria-pressed": String(orders.hidden), title: "On all screens (T)"}));
+    rows.push(order(orders.frozen ? "Unfreeze" : "Freeze", () => this.order("freeze", {on: !orders.frozen}), {"aria-pressed": String(orders.frozen), title: "Lock the pages of all"}),
+      order(orders.hidden ? "Show truth" : "Hide truth", () => this.#hide(), {"aria-pressed": String(orders.hidden), title: "On all screens (T)"}));
     if (this.count.problem) rows.push(make("span", {class: "warns"}, this.count.problem));
     if (this.note) rows.push(make("span", {class: "class-said"}, this.note));
-    rows.push(button("Large", () => this.#present(), {class: "class-large", title: "Large letters for a projector (P)", "aria-pressed": String(this.isPresenting)}));
+    rows.push(order("Large", () => this.#present(), {class: "class-large", title: "Large letters for a projector (P)", "aria-pressed": String(this.isPresenting)}));
     return rows;
   }
 
@@ -279,7 +279,7 @@ export class Lecturer {
 
   #gainOf() {
     const {gain} = this, items = this.room.lesson.lessons().flatMap((/** @type {any} */ one) => one.questions ?? []);
-    const refresh = make("button", {type: "button", class: "plain", onclick: () => this.order("gain")}, "Count again");
+    const refresh = button("Count again", () => this.order("gain"));
     if (!gain) return make("div", {class: "class-inside"}, make("p", {class: "text"}, "Counting …"));
     if (!gain.enough) return make("div", {class: "class-inside"}, make("p", {class: "text"}, `${gain.persons} ${gain.persons === 1 ? "person has" : "persons have"} answered the eight questions before and after. Below five nothing is shown: single persons could be recognised.`), refresh);
     const two = (/** @type {number} */ value) => value.toFixed(2).replace("-", "−"), percent = (/** @type {number} */ value) => `${Math.round(100 * value)} %`;
@@ -305,7 +305,6 @@ export class Lecturer {
   }
 
   #more() {
-    const button = (/** @type {string} */ words, /** @type {() => void} */ act, kind = "plain") => make("button", {type: "button", class: kind, onclick: act}, words);
     const twice = (/** @type {string} */ words, /** @type {() => void} */ act) => button(this.sure === words ? `${words}: sure?` : words, () => {
       if (this.sure === words) {
         this.sure = "";

@@ -29,10 +29,7 @@ export function bowl(frame, data) {
     + "Drag the diamond to pose the demonstrator: the bowl goes with it.";
 
   return {
-    measure() {
-      images.measure();
-      ground.measure();
-    },
+    measure: () => [images, ground].forEach(one => one.measure()),
     draw() {
       const moment = session.observe(theta), {minimum} = ground.of(demonstrator);
       ground.draw(demonstrator, theta);

@@ -38,10 +38,7 @@ export function points(frame, data) {
     return most;
   };
   return {
-    measure() {
-      images.measure();
-      ground.measure();
-    },
+    measure: () => [images, ground].forEach(one => one.measure()),
     draw() {
       const moment = session.observe(theta), isBlank = world.body.length < 5;
       box.classList.toggle("blank", isBlank);

@@ -58,11 +58,7 @@ export function servo(frame, data) {
   for (let k = 0; k < STILL_STEPS; k++) advance();
 
   return {
-    measure() {
-      images.measure();
-      ground.measure();
-      curve.measure();
-    },
+    measure: () => [images, ground, curve].forEach(one => one.measure()),
     draw() {
       const {now, trace} = session;
       const path = trace.slice(0, -1).map(({theta}, k) => ({theta, probe: trace[k + 1].probe}));

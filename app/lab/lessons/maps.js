@@ -3,7 +3,7 @@
  * @import {Look, Who} from "../engine/world.js" @import {Stage} from "./stage.js" */
 import {DEGREE, energyAt, Landscape, lowest, matched, TRANSFERS, World} from "../engine/engine.js";
 import {median} from "../engine/algebra.js";
-import {once} from "./once.js";
+import {once} from "../view/once.js";
 
 const MOVING_DEG = 3; // of maps that a slider of the eyes updates
 const WORST_CONDITION = 1e6;

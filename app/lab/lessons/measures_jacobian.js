@@ -3,7 +3,7 @@
  * @import {Stage, Measure} from "./stage.js" @import {Run} from "./teach_by_showing.js" */
 import {DEGREE, fixed} from "../view/svg.js";
 import {measured} from "./measured.js";
-import {once} from "./once.js";
+import {once} from "../view/once.js";
 import {coordinatesOf, stepsTo, teachByShowing} from "./teach_by_showing.js";
 
 export const GAINS = [0.1, 1, 2.2];

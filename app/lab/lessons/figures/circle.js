@@ -17,7 +17,7 @@
 import {projectPoint, TRANSFERS} from "../../engine/engine.js";
 import {px} from "../../view/svg.js";
 import {short} from "../measured.js";
-import {once} from "../once.js";
+import {once} from "../../view/once.js";
 import {
   axis, decades, diamonds, dots, Drawing, fitted, legend, legendHeight, path, polyline, rectangle, text, widthOf,
 } from "./drawing.js";

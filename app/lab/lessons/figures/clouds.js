@@ -5,7 +5,7 @@ import {DEGREE, Landscape} from "../../engine/engine.js";
 import {contour, nice} from "../../view/map.js";
 import {fixed, px} from "../../view/svg.js";
 import {Altered, smallest} from "../maps.js";
-import {once} from "../once.js";
+import {once} from "../../view/once.js";
 import {axis, circles, crosses, diamonds, dots, Drawing, legend, legendHeight, path, polyline, rectangle, text,
   within} from "./drawing.js";
 import {Names} from "./names.js";

@@ -7,7 +7,7 @@ import {projectPoint, select} from "../../engine/engine.js";
 import {Altered, mapOf, medianCondition} from "../maps.js";
 import {diamonds, Drawing, fitted, path, polyline, rectangle} from "./drawing.js";
 import {make} from "../dom.js";
-import {once} from "../once.js";
+import {once} from "../../view/once.js";
 import {MapPanel} from "./panels.js";
 
 const FEWEST = 4, STEP_DEG = 1.5;

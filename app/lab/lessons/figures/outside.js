@@ -36,7 +36,13 @@ class Room {
 
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {
-    if (layers.has("arms")) return this.#both(stage, layers);
+    const html = layers.has("arms") ? this.#both(stage, layers) : this.#cameras(stage, layers);
+    this.floor.setAttribute("d", this.#grid());
+    if (html !== this.last) this.over.innerHTML = this.last = html;
+  }
+
+  /** @param {Stage} stage @param {Set<string>} layers */
+  #cameras(stage, layers) {
     const {outside: view} = this, {world} = stage, demonstrator = world.arms.demonstrator;
     const cameras = camerasOf(stage), theta = stage.moment.thetaDemo;
     const hasArm = layers.has("three rays") || layers.has("arm");
@@ -53,9 +59,7 @@ class Room {
       bodies: hasArm ? [{frames: demonstrator.linkFrames(theta), kind: "vi-demo"}] : [],
       eyes: layers.has("cameras") ? cameras.map((camera, k) => ({camera, kind: k ? "" : "vi-demo", name: ""})) : [],
     }, this.#label(stage, layers));
-    this.floor.setAttribute("d", this.#grid());
-    const html = this.#over(stage, layers, cameras);
-    if (html !== this.last) this.over.innerHTML = this.last = html;
+    return this.#over(stage, layers, cameras);
   }
 
   /** Both arms, and the eyes that turn from one to the other. @param {Stage} stage @param {Set<string>} layers */
@@ -74,7 +78,6 @@ class Room {
       eyes: layers.has("eyes") ? cameras.map((camera, k) => ({camera, kind: k < 2 ? "vi-demo" : "", name: ""})) : [],
     }, `From outside: the orange demonstrator, the blue learner, and ` +
       `${layers.has("eyes") ? "the two eyes on a pole that look at both" : "the room"}.`);
-    this.floor.setAttribute("d", this.#grid());
     const names = new Names([0, 0, view.width, view.height]);
     const at = (/** @type {ArrayLike<number>} */ p) => view.at(p);
     for (const body of frames) body.slice(1).forEach((T, k) =>
@@ -100,8 +103,7 @@ class Room {
       const eyes = view.width < SHORT_BELOW ? "two eyes" : "two eyes, turned to each arm";
       if (size === NAME_PX) names.put(eyes, at(head), "draw-ink", {away: 12, first: [0, -1]});
     }
-    html += names.html;
-    if (html !== this.last) this.over.innerHTML = this.last = html;
+    return html + names.html;
   }
 
   /** @param {Stage} stage @param {Set<string>} layers @param {Camera[]} cameras */

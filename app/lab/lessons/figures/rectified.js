@@ -5,7 +5,7 @@
 import {conflict, farthest, Landscape, select, TRANSFERS} from "../../engine/engine.js";
 import {fixed} from "../../view/svg.js";
 import {lowestOf, MAP_DEG, mapOf, smallest} from "../maps.js";
-import {once} from "../once.js";
+import {once} from "../../view/once.js";
 import {around, diamonds, path, polyline, rectangle, sketched, text, widthOf} from "./drawing.js";
 import {MapPanel} from "./panels.js";
 

@@ -2,7 +2,7 @@
  * @import {Stage, FigureKind} from "../stage.js" */
 import {outermost, silhouettes} from "../../view/images.js";
 import {energyText, px} from "../../view/svg.js";
-import {once} from "../once.js";
+import {once} from "../../view/once.js";
 import {movedPlaces} from "../places.js";
 import {Chart} from "./chart.js";
 import {Names} from "./names.js";

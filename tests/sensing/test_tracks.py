@@ -150,7 +150,7 @@ def test_missing_values_are_invisible_and_reported(ask, tidy, mark):
     tidy.write_text("\n".join(lost))
     status, said, err = ask("evaluate", tidy)
     assert (status, said.replace("10 points", "9 points")) == (0, expected) and "lost" not in silent
-    assert "4 points at (0, 0) or (-1, -1): taken for lost by the tracker, not seen" in err
+    assert "4 points at (0, 0) or (-1, -1): counted as lost by the tracker" in err
 
 
 def test_too_few_points_are_no_success(ask, tidy):

@@ -97,7 +97,6 @@ export function lines(frame, data) {
         eyes: [{camera: l, kind: "", name: "l"}, {camera: beside, kind: "", name: "L"}],
         lines: [[l.centre, place(FAR), "vi-ray"], [beside.centre, place(share), "vi-ray-beyond"]],
         dots: [...trail.map(s => /** @type {Dot} */ ([place(s), "vi-trail"])), [place(share), "vi-mark"]],
-        labels: [],
       }, `From outside: the mark is ${fixed(share * metres(), 2)} m from camera l, on its ray`);
       if (walked < .05) frame.say(
         `The mark sits on point ${point}.`, "Slide it nearer or farther, and look at both pictures.",

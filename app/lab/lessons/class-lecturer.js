@@ -11,11 +11,12 @@ import {button, inline, make, plain} from "./dom.js";
 import {isForPage} from "../view/keys.js";
 import {EnergyMap} from "../view/map.js";
 import {add, energyText, escaped} from "../view/svg.js";
+import {stepsText} from "../view/words.js";
 
 const SURE_MS = 5000; // in which a second press means it
 const TABS = ["Students", "Paths", "Standings", "Gain", "Join", "More"];
 const SORTS = /** @type {Record<string, (one: Person) => number>} */ ({
-  step: one => one.at?.number ?? -1, E: one => -(one.at?.E ?? -1), motions: one => -(one.at?.motions ?? 0),
+  place: one => one.at?.number ?? -1, E: one => -(one.at?.E ?? -1), steps: one => -(one.at?.motions ?? 0),
 });
 const SAME_RAD = 0.002, TILE = {width: 120, height: 66};
 
@@ -32,7 +33,7 @@ export class Lecturer {
     this.gain = /** @type {any} */ (null);
     this.invitation = /** @type {{address: string, qr: string} | null} */ (null);
     this.tab = "";
-    this.sort = "step";
+    this.sort = "place";
     this.note = "";
     this.sure = "";
     this.bar = document.body.appendChild(make("section", {class: "class-bar", "aria-label": "What the class does", hidden: true}));
@@ -239,7 +240,7 @@ export class Lecturer {
     const place = (/** @type {number[]} */ [a, b]) => scene ? [4 + (b - scene.lower[1]) / (scene.upper[1] - scene.lower[1]) * (width - 8), 4 + (scene.upper[0] - a) / (scene.upper[0] - scene.lower[0]) * (height - 8)].map(v => v.toFixed(1)) : ["0", "0"];
     const path = pairs(at?.path ?? []).map(place), last = path[path.length - 1], goal = !isSecret && at?.demonstrator ? place(at.demonstrator) : null;
     const drawing = scene && last ? `<svg viewBox="0 0 ${width} ${height}" aria-hidden="true"><path class="way" d="M${path.map(p => p.join(" ")).join("L")}"/>${goal ? `<path class="goal" d="M${goal[0]} ${goal[1]}m-4 0l4-4 4 4-4 4z"/>` : ""}<circle cx="${last[0]}" cy="${last[1]}" r="3.6"/></svg>` : "";
-    const facts = [at?.E != null ? `E ${energyText(at.E)} px²` : "", at?.motions ? `${at.motions} ${at.motions === 1 ? "motion" : "motions"}` : "", !isSecret && at?.off != null && at.motions ? `${at.off}° off` : ""].filter(Boolean);
+    const facts = [at?.E != null ? `E ${energyText(at.E)} px²` : "", at?.motions ? stepsText(at.motions) : "", !isSecret && at?.off != null && at.motions ? `${at.off}° off` : ""].filter(Boolean);
     return make("button", {type: "button", class: `class-tile${at?.answered ? " answered" : ""}`, "data-person": String(person), title: "Open a copy of this screen", onclick: () => this.order("request", {place: person}),
       html: `<b>${escaped(name || "Student")}</b><span>${escaped(where)}${at?.answered ? " ✓" : ""}</span>${drawing}<small>${escaped(facts.join(" · "))}</small>`});
   }
@@ -251,7 +252,7 @@ export class Lecturer {
     if (!stage || stage.moment.theta.length !== 2) return make("div", {class: "class-inside"}, make("p", {class: "text"}, "Go to a step with two joints: its bowl is drawn here, with the path of everyone who is at this step."));
     const here = at.filter(one => one.at?.demonstrator?.every((v, k) => Math.abs(v - stage.moment.thetaDemo[k]) < SAME_RAD));
     const motions = here.map(one => one.at?.motions ?? 0).sort((a, b) => a - b), median = motions[Math.floor(motions.length / 2)] ?? 0;
-    const words = here.length ? `${here.length} of ${at.length} at this step have the same target as this page. Motions: ${motions[0]} to ${motions[motions.length - 1]}, median ${median}.`
+    const words = here.length ? `${here.length} of ${at.length} at this step have the same target as this page. Steps: ${motions[0]} to ${motions[motions.length - 1]}, median ${median}.`
       : at.length ? `${at.length} are at this step, each with another target than this page.` : "Nobody is at this step.";
     this.shownPaths = here.map(one => pairs(one.at?.path ?? []));
     const made = make("div", {class: "class-inside class-bowl"}, make("p", {class: "text"}, words),

@@ -90,7 +90,7 @@ export class Angles extends Plot {
     if (key === this.last) return;
     this.last = key;
     const {width, height} = this, right = 34, now = history[at];
-    set(this.svg, {"aria-label": `Angles of ${symbols.join(", ")} after each motion; dashed: the demonstrator's`});
+    set(this.svg, {"aria-label": `Angles of ${symbols.join(", ")} after each step; dashed: the demonstrator's`});
     if (width < 80) return void this.svg.replaceChildren();
     const all = history.flatMap(({theta, thetaDemo}) => [...theta, ...thetaDemo].map(v => v / DEGREE));
     const low = Math.min(...all), high = Math.max(...all, low + MIN_DEG), down = height - PAD.top - PAD.bottom;

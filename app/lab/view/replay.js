@@ -72,7 +72,7 @@ export class Replay {
     const {motion} = this.moment, words = `${motion} of ${this.recorded.snapshots[this.last].motion}`;
     $("time").value = this.now;
     $("time").style.setProperty("--at", `${100 * this.now / Math.max(1, this.last)}%`);
-    $("time").setAttribute("aria-valuetext", `after ${words} motions`);
+    $("time").setAttribute("aria-valuetext", `after ${words} steps`);
     $("where").value = words;
     this.redraw();
   }
@@ -215,7 +215,7 @@ export class Replay {
   /** Go on in the lab from here. */
   #takeOver() {
     const {moment, recorded: {run}} = this, {lab, lacks} = run.methods[run.snapshots[this.now].method];
-    const from = `The replay goes on here after motion ${moment.motion}.`;
+    const from = `The replay goes on here after step ${moment.motion}.`;
     const [servo, transfer] = [SERVO_WORDS[lab.servo].title, TRANSFER_WORDS[lab.transfer].title.toLowerCase()];
     const now = `: now it is “${servo}” and the ${transfer} transfer`;
     const instead = lacks.length ? ` The lab does not have ${listed(lacks)}${now}.` : "";

@@ -165,7 +165,7 @@ export class View {
     still.draw({
       bodies: [{frames: frames[0], kind: "vi-demo"}, ...ghost, {frames: frames[1], kind: ""}],
       eyes: cameras.map((camera, k) => ({camera, kind: k < 2 ? "vi-demo" : "", name: "lrLR"[k]})),
-      lines: [upright(head, "still-pole"), ...bases.map(base => upright(base, "still-stand"))], dots: [],
+      lines: [upright(head, "still-pole"), ...bases.map(base => upright(base, "still-stand"))],
       labels: (this.scene?.stage.labels ?? []).filter(({text}) => text.length > 1)
         .map(({text, role, at}) => [at, text, `vi-b vi-mid still-${role}`]),
     }, "Both robots: the orange demonstrator, the blue learner, and the cameras that look at both.");

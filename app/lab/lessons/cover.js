@@ -64,8 +64,7 @@ function actsOn(lesson, {words, done, isAsked}, acts) {
       done ? button("Start again", () => acts.forget(lesson)) : null),
     make("details", {class: "contents"},
       make("summary", {}, `${steps.length} ${steps.length === 1 ? "step" : "steps"}${count ? `, ${count} questions before and after` : ""}${done ? `, ${done} done` : ""}`),
-      make("ol", {}, ...steps.map(({id, title}) => make("li", {}, make("button", {type: "button", class: "link",
-        onclick: () => acts.step(lesson, id)}, title))))),
+      make("ol", {}, ...steps.map(({id, title}) => make("li", {}, button(title, () => acts.step(lesson, id), "link"))))),
   ];
 }
 

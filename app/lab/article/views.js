@@ -5,7 +5,8 @@ import {dots, polyline} from "../lessons/figures/drawing.js";
 import {add, set} from "../view/svg.js";
 
 /** The pose of the demonstrator and the start of the learner in figures, rad. */
-export const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DEGREE];
+export const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE];
+export const START = [25 * DEGREE, -45 * DEGREE];
 
 /** A session of the paper's transfer, for its snapshots.
  * @param {World} world @param {number[]} demonstrator @param {number[]} start @param {string} [servo] */

@@ -6,7 +6,7 @@ import {dot, symmetricEigen} from "../../engine/algebra.js";
 import {projectPoint, select} from "../../engine/engine.js";
 import {Altered, mapOf, medianCondition} from "../maps.js";
 import {diamonds, Drawing, fitted, path, polyline, rectangle} from "./drawing.js";
-import {make} from "../dom.js";
+import {inline, make} from "../dom.js";
 import {once} from "../../view/once.js";
 import {MapPanel} from "./panels.js";
 
@@ -61,7 +61,7 @@ function relief(map) {
 function pointsPanel(within) {
   const note = make("span"), box = make("div", {class: "lesson-plain"});
   within.append(make("div", {class: "lesson-panel"},
-    make("div", {class: "lesson-panel-head"}, make("b", {}, "What is matched, in l"), note), box));
+    make("div", {class: "lesson-panel-head"}, make("b", {html: inline("What is matched, in l")}), note), box));
   const drawing = new Drawing(box, "");
   return {
     resize: () => drawing.measure(),

@@ -32,7 +32,7 @@ export function lineThrough(frame, line, kind, name = "", share = .8) {
   if (!ends.length) return "";
   const [[a, b], [c, d]] = ends, turn = Math.atan2(d - b, c - a) * 180 / Math.PI, whole = polyline(ends);
   const words = name && `<g transform="translate(${px(a + share * (c - a))} ${px(b + share * (d - b))})rotate(${px(turn)})">${
-    text(0, -6, name, "vi-chosen vi-halo vi-mid").replace(/>(line from )?([lr])</, '>$1<tspan class="eye">$2</tspan><')}</g>`;
+    text(0, -6, name, "vi-chosen vi-halo vi-mid")}</g>`;
   return path("vi-line-case", whole) + path(kind, whole) + words;
 }
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import msgspec
 
+from viewimit.analysis.trajectory import encode_motion
 from viewimit.drawing.export.panels import largest_residual
 from viewimit.loop import link
 from viewimit.loop.embodiment import to_degrees
@@ -52,7 +53,9 @@ def tab_link(model: PageModel) -> tuple[str, str]:
     if session.cursor < len(session.history) - 1 and not why:
         extra.append(("at", str(session.cursor)))
     extra += _view_pairs(model)
-    for motion, one, versus in ((model.motions.file, script, other), (None, script, other), (None, script, None)):
+    recorded = model.motions.recorded
+    motion_file = None if recorded is None else encode_motion(recorded)
+    for motion, one, versus in ((motion_file, script, other), (None, script, other), (None, script, None)):
         try:
             return link.joined(_pairs(model, one, versus, motion=motion) + extra), why
         except ValueError as error:
@@ -167,19 +170,16 @@ class Keeper:
         self._model, self._send = model, send
         self._redraw, self._allowed, self._last = Redraw(), float(AT_ONCE), 0.0
         self._redraw.changed("state", self._state())  # as the page was built: it needs no storing
-        self._has_changed = self._has_acted = self._has_restored = False
+        self._has_changed = self._has_acted = False
         self._text, self._why = "", ""
 
     def tick(self, now: float, acted: int) -> None:
         """Send what has changed. acted: number of the last action that was applied."""
         model = self._model
-        self._has_restored |= model.following.restores
         if not model.is_kept or model.following.restores:
             return
-        has_changed = self._redraw.changed("state", self._state())
-        self._has_changed |= has_changed and not self._has_restored  # the tab stores the restored state already
+        self._has_changed |= self._redraw.changed("state", self._state())
         self._has_acted |= self._redraw.changed("acted", (acted,))
-        self._has_restored = False
         self._allowed = min(self._allowed + (now - self._last) / SEND_EVERY, float(AT_ONCE))
         self._last = now
         if self._allowed < (1 if self._has_changed else AT_ONCE) or not (self._has_changed or self._has_acted):

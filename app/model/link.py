@@ -6,7 +6,7 @@ a duel the opponent's own query; and for the tab alone, the colours and whether 
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterator
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
@@ -101,12 +101,13 @@ def read_link(query: str, begun: Settings) -> Linked:
     own = {name(place): place for place in (begun.scene, begun.robot) if place for name in (file_name, described)}
     preset = _preset(page.get("preset"), begun)
     base = usual(preset)
-    script, motion = _script(page.pop(link.PACKED, None), script_pairs, base)
+    share = 2 if VERSUS in page else 1
+    script, motion = _script(page.pop(link.PACKED, None), script_pairs, base, share)
     scripts = [script]
     if VERSUS in page:
         versus = link.split(page[VERSUS])
         packed = dict(versus).get(link.PACKED)
-        scripts.append(_script(packed, [pair for pair in versus if pair[0] != link.PACKED], base)[0])
+        scripts.append(_script(packed, [pair for pair in versus if pair[0] != link.PACKED], base, share)[0])
     scripts = [one.renamed(lambda name: own.get(name, name)) for one in scripts]
     require_allowed(scripts, begun)
     return Linked(
@@ -123,12 +124,13 @@ def read_link(query: str, begun: Settings) -> Linked:
     )
 
 
-def _script(packed: str | None, pairs: link.Pairs, base: Settings) -> tuple[Script, bytes | None]:
+def _script(packed: str | None, pairs: link.Pairs, base: Settings, share: int) -> tuple[Script, bytes | None]:
+    """share: of how many scripts of the link it is one."""
     if packed is None:
-        return link.understood(pairs, base), None
+        return link.understood(pairs, base, share), None
     if pairs:
         raise ValueError(f"the link has both {link.PACKED!r} and {pairs[0][0][:40]!r}")
-    found = link.unpacked(packed)
+    found = link.unpacked(packed, share)
     return found.script, found.motion
 
 
@@ -224,8 +226,9 @@ def _changed(action: ChangeSettings) -> Settings:
 def require_allowed(scripts: list[Script], begun: Settings) -> None:
     """Raise ValueError for work that a server does not do for every visitor."""
     texts: dict[str, None] = {}
+    scenes, robots = {*scene_names(), begun.scene}, {*robot_names(), begun.robot, None}
     for settings in settings_of(scripts):
-        _require_names(settings, begun)
+        _require_names(settings, scenes, robots)
         if is_text(settings.scene):
             texts[settings.scene] = None
     if len(texts) > MAX_SCENES:
@@ -234,14 +237,14 @@ def require_allowed(scripts: list[Script], begun: Settings) -> None:
         _require_scene(text)
 
 
-def _require_names(settings: Settings, begun: Settings) -> None:
+def _require_names(settings: Settings, scenes: Container[str], robots: Container[str | None]) -> None:
     """No file of the server is opened for a link, except those that it shows anyhow."""
     if OWN in (settings.transfer, settings.servo):
         raise ValueError("the link runs a transfer or a servo that only its author has")
-    if not is_text(settings.scene) and settings.scene not in (*scene_names(), begun.scene):
+    if not is_text(settings.scene) and settings.scene not in scenes:
         raise ValueError(f"the link shows a scene that is not here, {settings.scene[:80]!r}")
-    if settings.robot is not None and settings.robot not in (*robot_names(), begun.robot):
-        raise ValueError(f"the link shows a robot that is not here, {settings.robot[:80]!r}")
+    if settings.robot not in robots:
+        raise ValueError(f"the link shows a robot that is not here, {str(settings.robot)[:80]!r}")
     if len(settings.body_points or ()) > MAX_POINTS:
         raise ValueError(f"the link places {len(settings.body_points or ())} points; {MAX_POINTS} are the most")
     if settings.frames > MAX_FRAMES:

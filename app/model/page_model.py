@@ -21,7 +21,7 @@ from .displayed import Display, Displayed
 from .editing import UndoableSession
 from .link import Following
 from .motions import Motions
-from .points import PointEditing
+from .points import NOT_EDITED, PointEditing
 from .queue import CommandQueue
 from .services import Services
 
@@ -70,7 +70,7 @@ class PageModel:
         self._refusal: Message | None = None
         self.unsaved = False
         self.is_kept = False
-        self.displayed = self.display.at(0.0, 0.0, self.view)
+        self.displayed, self.edited = self.display.at(0.0, 0.0, self.view), NOT_EDITED
 
     @property
     def settings(self) -> Settings:
@@ -123,6 +123,7 @@ class PageModel:
         if self.message is not None and now > self.message.until:
             self.message = None
         self.displayed = self.display.at(now, shortest_motion, self.view)
+        self.edited = self.points.shown if self.points.begun else NOT_EDITED
         return self.displayed
 
     def send_made(self, kind: str, make: Callable[[], Saved]) -> None:

@@ -20,7 +20,7 @@ from websockets.typing import Origin
 from .. import viser_private
 from .address import is_own_page
 from .connection import CONNECTION, MOST_MESSAGE, GuardedConnection
-from .limits import Limits, PendingConnections, TokenBucket, in_a_line
+from .limits import PENDING, Limits, PendingConnections, TokenBucket, in_a_line
 from .page_head import page_policy, with_own_head
 from .web import plain_response, serving_options
 
@@ -44,7 +44,7 @@ class AccessControl:
         self._guarded = asyncio.Event()
         self.seats: set[GuardedConnection] = set()
         self._faults = TokenBucket(1, 1)
-        self.pending = PendingConnections(limits.pending, limits.pending_of_one)
+        self.pending = PendingConnections(PENDING, limits.pending_of_one)
 
     def guard(self, server: ViserServer) -> None:
         """Guard the clients of a server. Nobody gets a seat before."""

@@ -253,6 +253,14 @@ def test_of_several_columns_for_the_frame_the_number_counts(tmp_path):
     assert tracked.notes == ("not read: columns file_name, timestamp, joint, instance_score",)
 
 
+def test_the_level_of_the_scorer_may_be_missing(tmp_path):
+    deeplabcut(tmp_path)
+    paths = {view: tmp_path / f"{VIEW_NAMES[view]}.csv" for view in VIEWS}
+    for path in paths.values():
+        path.write_text(path.read_text().partition("\n")[2])
+    check(read_files(paths), hidden=False)
+
+
 def test_comments_among_the_rows_are_counted_and_names_may_begin_with_a_sign(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text("frame,point,x,y\n0,a,1,2\n#0,b,3,4\n% done\n0,c,5,6\n")

@@ -318,6 +318,8 @@ def _is_of(kind, value) -> bool:
 
 def _plain(value):
     """Tuples and Python's numbers, which can be kept, compared and written."""
+    if type(value) in (float, int):  # nearly all, and links hold thousands
+        return value
     if isinstance(value, (np.ndarray, np.generic)):
         value = value.tolist()
     return tuple(map(_plain, value)) if isinstance(value, (list, tuple)) else value

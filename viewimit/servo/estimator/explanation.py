@@ -42,6 +42,7 @@ HYPOTHESES = {
     MisfitKind.TWO_HEADS: "another head",
     MisfitKind.MIRRORED: "a mirror image",
     MisfitKind.LENS: "a lens",
+    MisfitKind.NEARLY_FLAT: "none, as the points lie too near a plane",
     MisfitKind.NONE: "none of the known ones",
 }
 

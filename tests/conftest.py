@@ -26,7 +26,6 @@ LONG = "test_site.py", "test_readme.py", "test_extension.py"
 WAITING = "test_faults.py", "test_deploy.py"
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
 passed_in_browser: list[str] = []
-os.environ["VIEWIMIT_CACHE"] = ""  # nothing of the user's own is read or written
 limit_blas_threads()  # thread of linear algebra, as commands do; no test has loaded numpy yet
 # How long an example takes is the machine's matter; the examples are the same in every run
 hypothesis.settings.register_profile("patient", deadline=None, derandomize=True)

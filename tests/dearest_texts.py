@@ -9,6 +9,7 @@ import time
 import zlib
 from collections.abc import Callable
 from contextlib import suppress
+from urllib.parse import quote
 
 from viewimit.app.model.link import read_link
 
@@ -29,6 +30,12 @@ def repeated(action: list, count: int, **settings) -> str:
     return packed({"settings": settings, "deeds": [action] * min(count, room)})
 
 
+def mixed(postures: int, changes: int) -> str:
+    """Postures, and changes to as many points as there may be."""
+    points = ["c", {"body_points": [[7, 0, 0, 0]] * 64}]
+    return packed({"settings": {}, "deeds": [["p", [0.1, 0.2]]] * postures + [points] * changes})
+
+
 TEXTS: dict[str, Callable[[], str]] = {
     "restarts": lambda: "begin=&" * 100,
     "changes": lambda: "steps=1&" + "noise=1&" * 99,
@@ -45,6 +52,8 @@ TEXTS: dict[str, Callable[[], str]] = {
     "packed steps": lambda: repeated(["s", 1], 10_000),
     "packed postures": lambda: repeated(["p", [0.1, 0.2]], 10_000),
     "packed points": lambda: repeated(["b", {"body_points": [[7, 0, 0, 0]] * 64}], 100),
+    "packed postures and points": lambda: mixed(9900, 99),
+    "two packed scripts": lambda: f"{mixed(4950, 49)}&versus={quote(mixed(4950, 49))}",
     "packed rehearsals": lambda: repeated(["r", [[0.1, 0.2]] * 50], 100),
     "a bomb": lambda: "x=" + base64.urlsafe_b64encode(zlib.compress(b" " * 10**7, 9)).decode().rstrip("="),
     "deep": lambda: "x=" + base64.urlsafe_b64encode(zlib.compress(b"[" * 200_000, 9)).decode().rstrip("="),

@@ -21,6 +21,7 @@ from mutants import fault_in, mutants
 import viewimit
 
 ROOT = Path(__file__).parent.parent
+SCRIPTS = ("examples", "studies")
 LEAST_COMPLETE = 0.95  # share of the library's public names whose types are all known
 SCHEMAS = {"github-workflows": ".github/workflows/*.yml", "readthedocs": ".readthedocs.yaml"}
 # of numpydoc: something is missing in a public docstring, or is documented that does not exist
@@ -42,9 +43,9 @@ def style() -> str:
 
 
 def types() -> str:
-    """Return what mypy finds here and as on Windows, in the package as it is installed and in the examples."""
+    """Return what mypy finds here and as on Windows, in the installed package, the examples and the studies."""
     with _installed() as folder:
-        examples = [word for path in (ROOT / "examples").glob("*.py") for word in ("-m", path.stem)]
+        examples = [word for part in SCRIPTS for path in (ROOT / part).glob("*.py") for word in ("-m", path.stem)]
         systems = ("linux", "win32")
         return "".join(_run("mypy", "-p", "viewimit", *examples, "--platform", one, cwd=folder) for one in systems)
 
@@ -115,13 +116,14 @@ def _run(module: str, *words: str, cwd: str | Path = ROOT) -> str:
 
 
 def _installed(parts: Sequence[str] = ("app", "assets")) -> tempfile.TemporaryDirectory[str]:
-    """Make a folder that holds the package as it is installed, with these parts inside, and the examples."""
+    """Make a folder that holds the package as it is installed, with these parts inside, and the scripts."""
     folder = tempfile.TemporaryDirectory()
     place = Path(folder.name)
     shutil.copytree(ROOT / "viewimit", place / "viewimit")
     for inside in parts:
         shutil.copytree(ROOT / inside, place / "viewimit" / inside)
-    shutil.copytree(ROOT / "examples", place, dirs_exist_ok=True)
+    for scripts in SCRIPTS:
+        shutil.copytree(ROOT / scripts, place, dirs_exist_ok=True)
     shutil.copy(ROOT / "pyproject.toml", place)
     return folder
 

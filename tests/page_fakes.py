@@ -101,7 +101,7 @@ class Hands:
 class QuietLandscapes:
     """Takes what is asked of it, and makes nothing."""
 
-    def ask(self, page_id, make, done, kind="landscape"):
+    def ask(self, page, kind, make, take, moves=False):
         pass
 
 
@@ -111,11 +111,11 @@ class QuietExperiments:
     def __init__(self):
         self.asked, self.cancelled = [], 0
 
-    def ask(self, page_id, request, tell):
+    def ask(self, page, request, tell):
         self.asked.append(request)
         self.tell = tell
 
-    def cancel(self, page_id):
+    def cancel(self, page):
         self.cancelled += 1
 
 
@@ -124,7 +124,7 @@ def quiet_model(settings, experiments=None, send=lambda *file: None, landscapes=
     workers = {"landscapes": landscapes or QuietLandscapes(), "experiments": experiments or QuietExperiments()}
     services = Services(lambda robot, arm: None, **workers, **({} if basins is None else {"basins": basins}))
     queue = CommandQueue(COMMANDS)
-    return PageModel(1, settings, services, queue, send), queue
+    return PageModel(settings, services, queue, send), queue
 
 
 class Camera:

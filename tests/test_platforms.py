@@ -14,7 +14,7 @@ ROOT = Path(__file__).parent.parent
 
 WINDOWS = """
 import asyncio, ctypes, http.server, multiprocessing.spawn, os, signal, socket, subprocess, sys, tempfile, webbrowser
-import msgspec, numpy, PIL.Image, platformdirs, starlette.applications, trimesh, uvicorn, viser, websockets
+import msgspec, numpy, PIL.Image, platformdirs, trimesh, viser, websockets
 
 for module in (os, signal, socket):
     for name in ("fork", "nice", "killpg", "getuid", "sched_getaffinity", "SIGHUP", "SIGKILL", "pthread_sigmask",

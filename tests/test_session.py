@@ -1,9 +1,9 @@
 """The loop: it repeats itself, can be walked back and forth, follows the demonstrator, and survives bad input."""
 
+import baselines
 import numpy as np
 import pytest
 
-from viewimit.experiments.bench import baselines
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS

@@ -47,7 +47,7 @@ __version__ = "0.2.0"
 
 if TYPE_CHECKING:
     from .analysis.landscape import Landscape, landscape
-    from .drawing.export.replay import replay
+    from .app.lab.replay import replay
     from .estimation.transfers import TRANSFERS
     from .estimation.transfers.transfer import conflict
     from .estimation.views import FourViews
@@ -79,7 +79,7 @@ _MODULES = {
     "fit_affine_fundamental": ".geometry.affine",
     "landscape": ".analysis.landscape",
     "load_scene": ".simulation.scene",
-    "replay": ".drawing.export.replay",
+    "replay": ".app.lab.replay",
 }
 
 __all__ = [

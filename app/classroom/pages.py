@@ -1,6 +1,6 @@
 """The pages of a class: its lessons in one page, with what a lecturer and students need, and the lab."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from ..lab.lessons.format import Lesson
 from ..lab.lessons.page import HERE, lesson_page
@@ -22,13 +22,13 @@ def lessons_of(given: Sequence[str]) -> dict[str, Lesson]:
     return dict(map(find, given)) if given else shipped()
 
 
-def class_pages(lessons: Mapping[str, Lesson], embed: Sequence[str]) -> dict[str, Callable[[], Page]]:
-    """Return what makes each page, by path. A lecturer's own lessons take seconds, as they are computed.
+def class_pages(lessons: Mapping[str, Lesson], embed: Sequence[str]) -> dict[str, Page]:
+    """Return the pages by path. A lecturer's own lessons take seconds, as they are computed.
 
     embed: origins whose pages may show a page in a frame.
     """
     styles = "\n".join((HERE / name).read_text("utf-8") for name in STYLES)
     return {
-        "/": lambda: Page(lesson_page(lessons, ENTRY, styles, ways=WAYS), embed),
-        "/lab": lambda: Page(lab_page(ways=WAYS), embed),
+        "/": Page(lesson_page(lessons, ENTRY, styles, ways=WAYS), embed),
+        "/lab": Page(lab_page(ways=WAYS), embed),
     }

@@ -4,35 +4,38 @@ import asyncio
 import contextlib
 import gzip
 import hashlib
+import ipaddress
 import logging
 import re
+import signal
+import socket
 import sys
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from http import HTTPStatus
 
-import uvicorn
-from starlette.applications import Starlette
-from starlette.requests import Request
-from starlette.responses import PlainTextResponse, Response
-from starlette.routing import Route, WebSocketRoute
-from starlette.types import ASGIApp
-from starlette.websockets import WebSocket, WebSocketDisconnect
-from uvicorn.protocols.http.h11_impl import H11Protocol
+from websockets.asyncio.server import ServerConnection, serve
+from websockets.datastructures import Headers, MultipleValuesError
+from websockets.exceptions import ConnectionClosed
+from websockets.frames import CloseCode
+from websockets.http11 import Request, Response
+
+from viewimit.processes import stop_signals
 
 from ..server.address import is_own_page
+from ..server.limits import Limits, PendingConnections
+from ..server.web import Connection, content_policy, plain_response, serving_options
 from .protocol import MAX_MESSAGE_BYTES, Rejected, decode
 from .room import Browser, Room
 
-SILENT_S = 10.0  # after which a connection that says nothing is closed
+LIMITS = Limits()
 TICK_S = 0.25
-PING_S = 15.0
-MAX_FRAME_BYTES = 4 * MAX_MESSAGE_BYTES  # longer frames are not even read
+MAX_FRAME_BYTES = 4 * MAX_MESSAGE_BYTES  # longer messages are not even read
 MAX_OPEN_FILES = 16_384  # connections are open files; systems allow 1,024 or fewer unless asked
-KEPT_FREE = 64  # open files for all else than connections
-CLOSED_BY_POLICY, CLOSED_AS_SLOW = 1008, 1013  # codes of RFC 6455
+BACKLOG = 2048  # connections that wait to be accepted, as when a class opens the page at once
 UNREADABLE = {1002: "a frame that is none", 1007: "text that is not UTF-8", 1009: "a message that is too long"}
 META_POLICY = re.compile(r'<meta http-equiv="Content-Security-Policy"[^>]*?script-src (?P<scripts>[^;"]*)[^>]*>\n?')
-HOST = re.compile(r"[\w.:\[\]-]{1,255}")
 log = logging.getLogger(__name__)
 
 
@@ -42,7 +45,7 @@ class ServerOptions:
 
     embed: tuple[str, ...] = ()  # origins whose pages may show the class in a frame
     origins: tuple[str, ...] = ()  # by which browsers know it besides its addresses and this machine's names
-    trusted: str = ""  # addresses of proxies whose X-Forwarded headers are believed, separated by commas; * for all
+    trusted: str = ""  # addresses of proxies whose X-Forwarded-For is believed, separated by commas; * for all
 
 
 class Page:
@@ -54,187 +57,152 @@ class Page:
 
     def __init__(self, html: str, embed: Sequence[str] = ()):
         policy = META_POLICY.search(html)
-        self._scripts = policy["scripts"] if policy else "'none'"
-        html = META_POLICY.sub("", html)
-        self._ancestors = " ".join(("'self'", *embed))
-        self._plain = html.encode()
+        self._scripts, self._embed = policy["scripts"] if policy else "'none'", embed
+        self._plain = META_POLICY.sub("", html).encode()
         self._packed = gzip.compress(self._plain, 6)
         self._tag = f'"{hashlib.sha256(self._plain).hexdigest()[:24]}"'
 
-    def policy(self, host: str) -> str:
-        """Return the content policy of the page, which may talk to the host that it came from."""
-        sockets = f" ws://{host} wss://{host}" if HOST.fullmatch(host) else ""
-        return "; ".join(
-            (
-                "default-src 'none'",
-                f"script-src {self._scripts}",
-                "style-src 'unsafe-inline'",
-                "img-src data: blob:",
-                "font-src data:",
-                f"connect-src 'self'{sockets}",
-                "base-uri 'none'",
-                "form-action 'none'",
-                f"frame-ancestors {self._ancestors}",
-            )
-        )
-
-    def answer(self, request: Request) -> Response:
+    def answer(self, asked: Headers) -> Response:
         """Return the page, or that the browser has it."""
-        headers = {
-            "Content-Security-Policy": self.policy(request.headers.get("host", "")),
-            "Cache-Control": "no-cache",
-            "ETag": self._tag,
-            "Vary": "Accept-Encoding",
-            "X-Content-Type-Options": "nosniff",
-            "Referrer-Policy": "no-referrer",
-        }
-        if request.headers.get("if-none-match") == self._tag:
-            return Response(status_code=304, headers=headers)
-        if "gzip" in request.headers.get("accept-encoding", ""):
-            headers["Content-Encoding"] = "gzip"
-            return Response(self._packed, headers=headers, media_type="text/html")
-        return Response(self._plain, headers=headers, media_type="text/html")
+        headers = Headers(
+            {
+                "Content-Security-Policy": content_policy(asked.get("Host", ""), self._scripts, ancestors=self._embed),
+                "Cache-Control": "no-cache",
+                "ETag": self._tag,
+                "Vary": "Accept-Encoding",
+                "X-Content-Type-Options": "nosniff",
+                "Referrer-Policy": "no-referrer",
+                "Connection": "close",
+            }
+        )
+        if asked.get("If-None-Match") == self._tag:
+            return Response(304, "Not Modified", headers)
+        body = self._plain
+        if "gzip" in asked.get("Accept-Encoding", ""):
+            headers["Content-Encoding"], body = "gzip", self._packed
+        headers["Content-Type"], headers["Content-Length"] = "text/html; charset=utf-8", str(len(body))
+        return Response(200, "OK", headers, body)
 
 
-def class_app(room: Room, pages: dict[str, Callable[[], Page]], options: ServerOptions) -> ASGIApp:
-    """Return the application of a class.
+class ClassServer:
+    """Serves pages, by path, and the websockets of a room."""
 
-    pages: what makes each page, by path; called in a thread, for the page at / at once, else when first asked.
-    """
-    making: dict[str, asyncio.Task[Page]] = {}
+    def __init__(self, room: Room, pages: Mapping[str, Page], options: ServerOptions):
+        self._room, self._pages, self._options = room, pages, options
+        most = allow_many_connections() // 2  # the others are for those who have a websocket
+        self._pending = PendingConnections(most, most)
 
-    def made(path: str) -> asyncio.Task[Page]:
-        if path not in making or making[path].done() and making[path].exception():
-            making[path] = asyncio.create_task(asyncio.to_thread(pages[path]))
-        return making[path]
-
-    async def page(request: Request) -> Response:
-        return (await asyncio.shield(made(request.scope["path"]))).answer(request)
-
-    async def socket(websocket: WebSocket) -> None:
-        await _serve(room, websocket, options)
-
-    @contextlib.asynccontextmanager
-    async def lifespan(app: Starlette) -> AsyncIterator[None]:
-        tasks = [asyncio.create_task(room.store.write()), asyncio.create_task(_tick(room)), made("/")]
-        yield
+    async def run(self, listeners: Sequence[socket.socket]) -> None:
+        """Serve on listening sockets until a signal to end, then write what is not yet on the disk."""
+        stopped, loop, room = asyncio.Event(), asyncio.get_running_loop(), self._room
+        for number in stop_signals():
+            signal.signal(number, lambda *_: loop.call_soon_threadsafe(stopped.set))
+        tasks = [asyncio.create_task(room.store.write()), asyncio.create_task(self._tick())]
+        options = serving_options(partial(Connection, self._pending), self._answer, MAX_FRAME_BYTES, LIMITS)
+        options["compression"] = None  # messages are small, and it costs more time than all else
+        async with contextlib.AsyncExitStack() as stack:
+            for listener in listeners:
+                await stack.enter_async_context(serve(self._serve, sock=listener, backlog=BACKLOG, **options))
+            await stopped.wait()
         await room.store.flush()
         for task in tasks:
             task.cancel()
         room.store.close()
 
-    routes = [Route(path, page) for path in pages]
-    return Starlette(routes=[*routes, WebSocketRoute("/socket", socket)], lifespan=lifespan)
+    async def _tick(self) -> None:
+        while True:
+            await asyncio.sleep(TICK_S)
+            self._room.tick()
+
+    def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
+        """Return a response, or None to take the websocket."""
+        path = request.path.partition("?")[0]
+        try:
+            if path in self._pages:
+                return self._pages[path].answer(request.headers)
+            if path != "/socket":
+                return plain_response(HTTPStatus.NOT_FOUND, "not found\n")
+            origin, host = request.headers.get("Origin", ""), request.headers.get("Host", "")
+        except MultipleValuesError:
+            return plain_response(HTTPStatus.BAD_REQUEST, "a header that may come once comes twice\n")
+        if not is_own_page(origin, host, self._options.origins):
+            address = self._address_of(connection)
+            log.warning("rejected from %s: a page of another origin, %.80r; --address lets its own in", address, origin)
+            return plain_response(HTTPStatus.FORBIDDEN, "a page of another origin\n")
+        return None
+
+    def _address_of(self, connection: ServerConnection) -> str:
+        """Where a browser is: of proxies that are trusted, what they say of it."""
+        peer = connection.remote_address
+        told = ",".join(connection.request.headers.get_all("X-Forwarded-For")) if connection.request else ""
+        return client_address(peer[0] if peer else "", told, self._options.trusted)
+
+    async def _serve(self, connection: ServerConnection) -> None:
+        """One websocket, from its handshake to its end."""
+        self._pending.discard(connection)
+        address, something = self._address_of(connection), asyncio.Event()
+        browser = Browser(address, something.set)
+        sending = asyncio.create_task(_send_all(connection, browser, something))
+        try:
+            await self._receive_all(connection, browser)
+        except Rejected as error:
+            log.warning("rejected from %s: %s", address, str(error).encode("unicode_escape").decode())
+            await connection.close(CloseCode.POLICY_VIOLATION, str(error)[:100])
+        except ConnectionClosed as closed:
+            if closed.sent is not None and closed.sent.code in UNREADABLE:
+                log.warning("rejected from %s: %s", address, UNREADABLE[closed.sent.code])
+        finally:
+            self._room.leave(browser)
+            sending.cancel()
+
+    async def _receive_all(self, connection: ServerConnection, browser: Browser) -> None:
+        try:
+            message = await asyncio.wait_for(connection.recv(), LIMITS.head_within)
+        except asyncio.TimeoutError:
+            raise Rejected("a websocket that says nothing") from None
+        while True:
+            await self._room.receive(browser, decode(message))
+            message = await connection.recv()
 
 
-async def _tick(room: Room) -> None:
-    while True:
-        await asyncio.sleep(TICK_S)
-        room.tick()
-
-
-# Connections
-
-
-async def _serve(room: Room, websocket: WebSocket, options: ServerOptions) -> None:
-    """One websocket, from its handshake to its end."""
-    address = websocket.client.host if websocket.client else ""
-    origin, host = websocket.headers.get("origin", ""), websocket.headers.get("host", "")
-    if not is_own_page(origin, host, options.origins):
-        log.warning("rejected from %s: a page of another origin, %.80r; --address lets its own in", address, origin)
-        await websocket.send_denial_response(PlainTextResponse("a page of another origin\n", 403))
-        return
-    await websocket.accept()
-    something = asyncio.Event()
-    browser = Browser(address, something.set)
-    sending = asyncio.create_task(_send_all(websocket, browser, something))
-    try:
-        await _receive_all(room, websocket, browser)
-    except Rejected as error:
-        log.warning("rejected from %s: %s", address, str(error).encode("unicode_escape").decode())
-        await _close(websocket, CLOSED_BY_POLICY, str(error)[:100])
-    except WebSocketDisconnect as error:
-        if error.code in UNREADABLE:
-            log.warning("rejected from %s: %s", address, UNREADABLE[error.code])
-    finally:
-        room.leave(browser)
-        sending.cancel()
-
-
-async def _receive_all(room: Room, websocket: WebSocket, browser: Browser) -> None:
-    try:
-        first = await asyncio.wait_for(websocket.receive(), SILENT_S)
-    except asyncio.TimeoutError:
-        raise Rejected("a websocket that says nothing") from None
-    while True:
-        if first["type"] == "websocket.disconnect":
-            raise WebSocketDisconnect(first.get("code", 1000))
-        await room.receive(browser, decode(first.get("text")))
-        first = await websocket.receive()
-
-
-async def _send_all(websocket: WebSocket, browser: Browser, something: asyncio.Event) -> None:
+async def _send_all(connection: ServerConnection, browser: Browser, something: asyncio.Event) -> None:
     """Send the messages of a browser's outbox as they come, until cancelled."""
-    with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+    with contextlib.suppress(ConnectionClosed):
         while True:
             await something.wait()
             something.clear()
             if browser.is_too_slow:
-                await _close(websocket, CLOSED_AS_SLOW, "too slow: connect again")
+                await connection.close(CloseCode.TRY_AGAIN_LATER, "too slow: connect again")
                 return
             while browser.outbox:
-                await websocket.send_text(browser.outbox.popleft())
+                await connection.send(browser.outbox.popleft())
             screen, browser.screen = browser.screen, None
             if screen is not None:
-                await websocket.send_text(screen)
+                await connection.send(screen)
 
 
-async def _close(websocket: WebSocket, code: int, reason: str) -> None:
-    with contextlib.suppress(WebSocketDisconnect, RuntimeError):
-        await websocket.close(code, reason)
+def client_address(peer: str, told: str, trusted: str) -> str:
+    """Return a client's address: the peer's, or the last one of X-Forwarded-For that no trusted proxy has.
+
+    told: that header; trusted: addresses or networks of proxies, separated by commas; * for any.
+    """
+    proxies, chain = trusted.replace(" ", "").split(","), [*filter(None, told.replace(" ", "").split(",")), peer]
+    while len(chain) > 1 and ("*" in proxies or _is_in(chain[-1], proxies)):
+        chain.pop()
+    return chain[-1]
 
 
-# uvicorn
+def _is_in(address: str, networks: Sequence[str]) -> bool:
+    try:
+        return any(ipaddress.ip_address(address) in ipaddress.ip_network(one, strict=False) for one in networks if one)
+    except ValueError:
+        return False
 
 
-class Impatient(H11Protocol):
-    """HTTP connections that are closed if no request comes in time, or to make room for others."""
-
-    silent: "dict[Impatient, None]" = {}  # connections without a request, the oldest first
-    most = MAX_OPEN_FILES - KEPT_FREE  # connections at a time
-
-    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Begin to wait for a request."""
-        super().connection_made(transport)
-        self._timer = asyncio.get_running_loop().call_later(SILENT_S, self._close_if_silent)
-        self.silent[self] = None
-        if len(self.connections) > self.most:
-            next(iter(self.silent)).transport.abort()
-
-    def handle_events(self) -> None:
-        """Wait no more once there is a request."""
-        super().handle_events()
-        if self.scope is not None:
-            self._stop_waiting()
-
-    def connection_lost(self, exc: Exception | None) -> None:
-        """Wait no more."""
-        self._stop_waiting()
-        super().connection_lost(exc)
-
-    def _close_if_silent(self) -> None:
-        if self.scope is None:
-            self.transport.abort()
-
-    def _stop_waiting(self) -> None:
-        self._timer.cancel()
-        self.silent.pop(self, None)
-
-
-def allow_many_connections() -> None:
-    """Let this process open more files, where the system says how many those may be."""
+def allow_many_connections() -> int:
+    """Let this process open more files, where the system says how many those may be. Return how many."""
     if sys.platform == "win32":
-        return
+        return MAX_OPEN_FILES
     import resource
 
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
@@ -242,38 +210,4 @@ def allow_many_connections() -> None:
     if soft < limit:
         with contextlib.suppress(ValueError, OSError):
             resource.setrlimit(resource.RLIMIT_NOFILE, (limit, hard))
-    Impatient.most = max(resource.getrlimit(resource.RLIMIT_NOFILE)[0], 2 * KEPT_FREE) - KEPT_FREE
-
-
-class _InOneLine(logging.Filter):
-    """What uvicorn says of a browser's faults, without the stack of its own functions."""
-
-    def filter(self, record: logging.LogRecord) -> bool:
-        """Take the stack off."""
-        if record.exc_info and isinstance(record.exc_info[1], UnicodeDecodeError):
-            record.exc_info = None
-        return True
-
-
-def uvicorn_server(app: ASGIApp, options: ServerOptions) -> uvicorn.Server:
-    """Return the server that runs an application: `.run(sockets=…)`."""
-    allow_many_connections()
-    logging.getLogger("uvicorn.error").addFilter(_InOneLine())
-    config = uvicorn.Config(
-        app,
-        loop="asyncio",
-        http=Impatient,
-        ws="websockets-sansio",
-        ws_max_size=MAX_FRAME_BYTES,
-        ws_ping_interval=PING_S,
-        ws_ping_timeout=PING_S,
-        ws_per_message_deflate=False,  # messages are small, and it costs more time than all else
-        log_config=None,
-        log_level="warning",
-        access_log=False,
-        server_header=False,
-        proxy_headers=bool(options.trusted),
-        forwarded_allow_ips=options.trusted,
-        timeout_graceful_shutdown=3,
-    )
-    return uvicorn.Server(config)
+    return resource.getrlimit(resource.RLIMIT_NOFILE)[0]

@@ -1,6 +1,7 @@
 """viewimit class: lessons for a class, which a lecturer leads."""
 
 import argparse
+import asyncio
 import logging
 import os
 import secrets
@@ -57,7 +58,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--trust-proxy",
         default="",
         metavar="ADDRESS",
-        help="proxies, separated by commas, whose X-Forwarded-For and -Proto are believed; * for any (none)",
+        help="proxies, separated by commas, whose X-Forwarded-For is believed; * for any (none)",
     )
 
 
@@ -65,7 +66,7 @@ def run(args: argparse.Namespace) -> int:
     from ..classroom.answers import asks_of
     from ..classroom.pages import class_pages, lessons_of
     from ..classroom.room import Room
-    from ..classroom.server import ServerOptions, class_app, uvicorn_server
+    from ..classroom.server import ClassServer, ServerOptions
     from ..classroom.store import Store
     from ..server.address import listen, require_free, require_origin
 
@@ -79,7 +80,7 @@ def run(args: argparse.Namespace) -> int:
     options = ServerOptions(tuple(args.embed), origins, args.trust_proxy)
     with naming("--lesson"):
         lessons = lessons_of(args.lesson)
-    pages = class_pages(lessons, options.embed)
+        pages = class_pages(lessons, options.embed)
     with naming("--data"):
         path = args.data or _usual_file(args.port)
         store = Store(path)
@@ -102,7 +103,7 @@ def run(args: argparse.Namespace) -> int:
     _say_code(room.has_own_code, code)
     print(f"answers are kept in {path}" + (f"; it has {len(found)} already" if (found := store.answers()) else ""))
     sys.stdout.flush()
-    uvicorn_server(class_app(room, pages, options), options).run(sockets=listeners)
+    asyncio.run(ClassServer(room, pages, options).run(listeners))
     return DONE
 
 

@@ -40,7 +40,8 @@ def run(args: argparse.Namespace) -> int:
     # the one place below the page that knows it
     from ..lab.lessons.source import own
     from ..server.address import require_origin
-    from ..server.serve import ServerOptions, serve, usual_per_address
+    from ..server.limits import Limits, ServerOptions
+    from ..server.serve import serve, usual_per_address
 
     with naming("--origin"):
         for origin in args.origin:
@@ -48,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
     with naming("--lesson"):
         lessons = own(args.lesson)
     of_one = args.max_per_address or usual_per_address(args.host, args.max_clients)
-    options = ServerOptions(settings, args.max_clients, tuple(args.origin), of_one, lessons)
+    limits = Limits(args.max_clients, of_one)
     with naming("--host, --port"):
-        serve(args.host, args.port, options, open_browser=args.open)
+        serve(ServerOptions(settings, limits, tuple(args.origin), lessons, args.host), args.port, args.open)
     return DONE

@@ -5,9 +5,8 @@ from typing import Annotated
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.servo import SERVOS
 
-from ..model.choices import AMOUNTS, joint_choices
+from ..model.choices import AMOUNTS, joint_choices, layout_choices
 from ..model.page_model import PageModel
-from ..model.points import layout_choices
 from ..model.queue import choice, named, one_of, text
 from .registry import command
 

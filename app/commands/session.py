@@ -1,7 +1,7 @@
 """Commands to the session: play, step, undo, pose the demonstrator, begin with a preset, follow a link."""
 
-from dataclasses import dataclass
-from typing import Annotated, Any
+from functools import partial
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +13,10 @@ from viewimit.simulation.world import pose_for_hand
 
 from ..model.choices import SPEEDS, Preset, modified
 from ..model.editing import Rehearsal
-from ..model.following import Played
 from ..model.keeping import become
 from ..model.link import read_link
 from ..model.page_model import PageModel
-from ..model.queue import Queued, choice, number, one_of, text
+from ..model.queue import choice, number, one_of, text
 from .registry import command
 
 MESSAGE_S = 6.0  # s that a message stays
@@ -170,27 +169,10 @@ def show_word(model: PageModel, key: Word) -> None:
 Text = Annotated[str, text]
 
 
-@dataclass(frozen=True, eq=False)
-class Arrived(Queued):
-    """Replace the page by the one that was played in the background."""
-
-    played: Played
-    moves = True
-    cancels = True
-    coalesce_key = "arrived"
-
-    def needs_camera(self, model: Any) -> bool:
-        return self.played.page.uses_pictures
-
-    def apply(self, model: Any, now: float) -> None:
-        if model.following.finish(self.played):
-            become(model, self.played, now)
-
-
 @command("link", latest=True, moves=True, link=True)
 def follow_link(model: PageModel, address: Text) -> None:
     """Become what a link holds. Its motions are computed beside the page, as that may take seconds."""
-    model.following.begin(read_link(address, model.begun), Arrived)
+    model.following.begin(read_link(address, model.begun), partial(become, model))
 
 
 @command("session", latest=True, link=True)
@@ -205,7 +187,7 @@ def restore_session(model: PageModel, kept: Text) -> None:
         except ValueError as error:
             why = "what this tab has kept cannot be restored, so the session begins again"
             raise ValueError(f"{why}: {error}") from None
-        model.following.begin(page, Arrived, is_own=True)
+        model.following.begin(page, partial(become, model), is_own=True)
 
 
 @command("unsaved", latest=True, link=True)

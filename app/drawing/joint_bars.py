@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 from viewimit.analysis.observability import PointInformation, Proposal, unobservable_joints
 from viewimit.analysis.self_assessment import Assessment
 from viewimit.drawing import svg
-from viewimit.drawing.export.engine_scene import joint_name
 from viewimit.drawing.landscape import describe_costs, draw_bars
 from viewimit.estimation.transfers.transfer import FLATNESS
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.servo.certificate import MAX_STD_PER_PX
 from viewimit.simulation.scene import Scene
 from viewimit.wording import sentences
+
+from ..lab.engine_scene import joint_name
 
 WIDTH, NARROW, HEIGHT, INSET = 150, 74, 22, 8  # px of a posture bar, in one column and in two
 MIN_IN_COLUMNS = 4  # joints that stand in two columns, so that they fit beside the demonstrator's sliders

@@ -8,7 +8,7 @@ import tempfile
 import threading
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Connection
@@ -93,40 +93,40 @@ class ExperimentWorker:
     def __init__(self, work: Callable[[Connection, str], None] = child.carry_out_experiment):
         self._work, self._lock = work, threading.RLock()
         self._line = ThreadPoolExecutor(1, "viewimit-experiments")
-        self._jobs: dict[int, _Job] = {}  # by page
+        self._jobs: dict[Hashable, _Job] = {}  # by page
 
-    def ask(self, page_id: int, request: Request, tell: Callable[[Run], None]) -> None:
+    def ask(self, page: Hashable, request: Request, tell: Callable[[Run], None]) -> None:
         """Raises ValueError while an earlier request of the page goes on."""
         with self._lock:
-            if page_id in self._jobs:
+            if page in self._jobs:
                 raise ValueError("an experiment of this page still runs: wait for it, or cancel it")
-            job = self._jobs[page_id] = _Job(request, tell, Run(request.name, request=request))
+            job = self._jobs[page] = _Job(request, tell, Run(request.name, request=request))
             tell(job.run)
-            self._line.submit(self._carry_out, page_id, job)
+            self._line.submit(self._carry_out, page, job)
 
-    def cancel(self, page_id: int) -> None:
+    def cancel(self, page: Hashable) -> None:
         """End what the page has asked for."""
         with self._lock:
-            job = self._jobs.pop(page_id, None)
+            job = self._jobs.pop(page, None)
             if job is not None:
                 self._tell(job, state="cancelled")
                 if job.process is not None:
                     job.process.kill()
 
-    def forget(self, page_id: int) -> None:
+    def forget(self, page: Hashable) -> None:
         """The page is gone: it is sent nothing more."""
         with self._lock:
-            if page_id in self._jobs:
-                self._jobs[page_id].tell = lambda run: None
-            self.cancel(page_id)
+            if page in self._jobs:
+                self._jobs[page].tell = lambda run: None
+            self.cancel(page)
 
     def stop(self) -> None:
         """End everything, and wait until no process is left."""
-        for page_id in list(self._jobs):
-            self.forget(page_id)
+        for page in list(self._jobs):
+            self.forget(page)
         self._line.shutdown()
 
-    def _carry_out(self, page_id: int, job: _Job) -> None:
+    def _carry_out(self, page: Hashable, job: _Job) -> None:
         """Until its process is gone."""
         problem = "its process ended unexpectedly"
         try:
@@ -138,8 +138,8 @@ class ExperimentWorker:
             problem = f"it could not be run: {error}"
         with self._lock:
             self._tell(job, state="failed", problem=problem)
-            if self._jobs.get(page_id) is job:
-                del self._jobs[page_id]
+            if self._jobs.get(page) is job:
+                del self._jobs[page]
 
     def _listen(self, job: _Job, folder: str) -> None:
         with self._lock:

@@ -8,11 +8,6 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.drawing.export.engine_scene import can_compute, describe_hulls, engine_scene
-from viewimit.drawing.export.lab_methods import lab_methods
-from viewimit.drawing.export.recording import lacks
-from viewimit.drawing.export.replay import lab_html
-from viewimit.drawing.export.space import Shapes, describe_robot, describe_stage
 from viewimit.loop.settings import DISTURBANCES, Settings
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.scene import Scene, load_scene
@@ -20,6 +15,11 @@ from viewimit.simulation.world import World
 
 from ..presets import LAB_PRESETS, Preset
 from ..ways import Ways, about, header
+from .engine_scene import can_compute, describe_hulls, engine_scene
+from .methods import lab_methods
+from .recording import lacks
+from .replay import lab_html
+from .space import Shapes, describe_robot, describe_stage
 
 SHIPPED = "panda"
 TITLE = "viewimit lab: one robot copies another from pictures"

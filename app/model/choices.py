@@ -1,7 +1,6 @@
 """Checks of what a browser sent: anything may come."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from viewimit.drawing import svg
@@ -35,7 +34,8 @@ def modified(preset: str) -> str:
 
 @dataclass(frozen=True)
 class Amount:
-    """name: in `Settings`; label, low, high, step, hint: of its slider; per: units on the page for one there."""
+    """name: in `Settings`; label, low, high, step, hint: of its slider; per: units on the page for one there;
+    is_whole: of whole things, each of which takes time, so that no more may be asked for than the slider has."""
 
     name: str
     label: str
@@ -44,6 +44,7 @@ class Amount:
     step: float
     per: float
     hint: str
+    is_whole: bool = False
 
     def shown(self, settings: Settings) -> float:
         """The slider's value."""
@@ -51,19 +52,12 @@ class Amount:
         return round(value) if isinstance(self.step, int) else round(value, 6)
 
     def asked(self, value: float) -> float:
-        """What the slider's value is in the settings."""
-        return value / self.per
-
-
-@dataclass(frozen=True)
-class Count(Amount):
-    """An amount of whole things. Each takes time, so no more may be asked for than the slider has."""
-
-    def asked(self, value: float) -> int:
-        found = round(value)
-        if not self.low <= found <= self.high:
-            raise ValueError(f"{self.label} must be between {self.low} and {self.high}, got {found}")
-        return found
+        """What the slider's value is in the settings. Raises ValueError."""
+        if not self.is_whole:
+            return value / self.per
+        if not self.low <= round(value) <= self.high:
+            raise ValueError(f"{self.label} must be between {self.low} and {self.high}, got {round(value)}")
+        return round(value)
 
 
 def _amounts(kind: type[Disturbance]) -> list[Amount]:
@@ -75,7 +69,7 @@ def _amounts(kind: type[Disturbance]) -> list[Amount]:
 
 _FRAMES = FIELDS["frames"]
 assert isinstance(_FRAMES, Setting)
-FRAMES = Count("frames", _FRAMES.label, *_FRAMES.slider_range, 1, _FRAMES.description)
+FRAMES = Amount("frames", _FRAMES.label, *_FRAMES.slider_range, 1, _FRAMES.description, is_whole=True)
 OF_IMAGES: tuple[Amount, ...] = (*_amounts(SightDisturbance), FRAMES)
 OF_ARMS: tuple[Amount, ...] = (*_amounts(ArmDisturbance),)
 AMOUNTS = {amount.name: amount for amount in (*OF_IMAGES, *OF_ARMS)}
@@ -142,6 +136,25 @@ def _name(joints: tuple[int, ...]) -> str:
 
 def _number(count: int) -> str:
     return WORDS[count] if count < len(WORDS) else str(count)
+
+
+# Layouts of body points to choose from: the scene's own, and the one that was made by hand.
+
+
+def layout_choices(settings: Settings) -> dict[str, dict[str, Any]]:
+    """Settings to change, by name; none for the points by hand, if there are some."""
+    own = load_scene(settings.scene, settings.robot).points
+    choices: dict[str, dict[str, Any]] = {
+        svg.count_points(int(count)): {"points": int(count), "body_points": None} for count in own
+    }
+    return choices if settings.body_points is None else {**choices, chosen_layout(settings): {}}
+
+
+def chosen_layout(settings: Settings) -> str:
+    """The name of the layout that there is now."""
+    if settings.body_points is None:
+        return svg.count_points(settings.points)
+    return f"{len(settings.body_points)} by hand"
 
 
 # Presets: those of the list, and what the command line asked for.
@@ -211,12 +224,6 @@ class View:
         """Return whether a switch is on, by its name."""
         chosen = getattr(self, switch)
         return self.prefers_dark if chosen is None else chosen
-
-
-def switched(view: View, show: Mapping[str, bool]) -> View:
-    """Return a view with the switches on or off that are kept by their names."""
-    known: dict[str, Any] = {name: show[name] for name in SWITCHES if name in show}
-    return replace(view, **known)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from ..drawing import duel as drawing
 from ..drawing.landscapes import draw_compared, draw_costs, draw_together, waiting
 from ..jobs.experiments import ExperimentWorker, Request, Run
 from .motions import Motions
-from .queue import Beside, CommandQueue, JobResult
+from .queue import CommandQueue
 
 
 class OwnLandscape:
@@ -30,7 +30,7 @@ class OwnLandscape:
     made: None before the first moment is known.
     """
 
-    def __init__(self, beside: Beside):
+    def __init__(self, beside: Callable[..., None]):
         self._beside = beside
         self._asked: tuple | None = None
         self._seen: tuple | None = None  # what the key of the last moment was made of
@@ -50,7 +50,7 @@ class OwnLandscape:
         asked = world, *landscape_key(present)
         if asked != self._asked:
             self._asked, self._about = asked, present
-            self._beside.ask("landscape", partial(make_landscape, world, present, COARSE_DEG), self.take)
+            self._beside("landscape", partial(make_landscape, world, present, COARSE_DEG), self.take)
 
     def take(self, made: MadeLandscape | Exception) -> None:
         """Unless the scene has changed meanwhile."""
@@ -61,7 +61,7 @@ class OwnLandscape:
         if made.world is self.made.world:
             self.made = made
             if made.to_refine is not None and made.to_refine is self._about:
-                self._beside.ask("landscape", partial(make_landscape, made.world, made.to_refine), self.take)
+                self._beside("landscape", partial(make_landscape, made.world, made.to_refine), self.take)
 
 
 def _without_landscape(world: World, present: Snapshot, why: str = "computing â€¦") -> MadeLandscape:
@@ -71,7 +71,7 @@ def _without_landscape(world: World, present: Snapshot, why: str = "computing â€
 class DuelLandscapes:
     """Of both learners. html: what lies under their paths."""
 
-    def __init__(self, beside: Beside):
+    def __init__(self, beside: Callable[..., None]):
         self._beside = beside
         self._asked: tuple | None = None
         self._world: World | None = None  # of the duel that goes on
@@ -89,7 +89,7 @@ class DuelLandscapes:
         asked = world, *map(landscape_key, both)
         if asked != self._asked:
             self._asked = asked
-            self._beside.ask("duel", lambda: (world, _draw_ground(world, both)), self.take)
+            self._beside("duel", lambda: (world, _draw_ground(world, both)), self.take)
 
     def take(self, made: tuple[World, str] | Exception) -> None:
         if isinstance(made, Exception):
@@ -108,16 +108,11 @@ def _draw_ground(world: World, both: tuple[Snapshot, Snapshot]) -> str:
 class Basins:
     """From where the learner arrives, while it is shown. run: None while it is not."""
 
-    def __init__(self, page_id: int, worker: ExperimentWorker, queue: CommandQueue):
-        self._page_id, self._worker, self._queue = page_id, worker, queue
+    def __init__(self, worker: ExperimentWorker, queue: CommandQueue):
+        self._worker, self._queue = worker, queue
         self._asked: Settings | None = None
         self._count = 0  # of requests
         self.run: Run | None = None
-
-    @property
-    def html(self) -> str:
-        """The landscape, or the part that is computed so far."""
-        return "" if self.run is None else self.run.figure
 
     @property
     def going_on(self) -> bool:
@@ -133,7 +128,7 @@ class Basins:
             self._asked, self._count = _without_start(session.settings), self._count + 1
             request = Request(f"basin {self._count}", msgspec.structs.replace(self._asked, sensor="projected"))
             self.run = Run(request.name)
-            self._worker.ask(self._page_id, request, self._on_result)
+            self._worker.ask(self._queue, request, self._on_result)
 
     def follow(self, session: Session) -> None:
         """End it if it would differ now."""
@@ -151,11 +146,11 @@ class Basins:
 
     def _end(self) -> None:
         if self.going_on:
-            self._worker.cancel(self._page_id)
+            self._worker.cancel(self._queue)
         self.run = None
 
     def _on_result(self, run: Run) -> None:
-        self._queue.put(JobResult(("basin", run.name), self.take, run))
+        self._queue.put_made(("basin", run.name), self.take, run)
 
 
 def _without_start(settings: Settings) -> Settings:
@@ -171,7 +166,7 @@ class Comparison:
     on: whether they are to be shown; html: all of them; None while the one that is used is shown.
     """
 
-    def __init__(self, beside: Beside):
+    def __init__(self, beside: Callable[..., None]):
         self._beside = beside
         self._asked: tuple | None = None  # a world and what E depends on; None while nothing is shown
         self._compared: dict[str, tuple[tuple, str]] = {}  # by transfer: what was asked for, and its drawing
@@ -197,7 +192,7 @@ class Comparison:
         self._asked = asked
         for transfer in TRANSFERS:
             make = partial(_draw_compared, asked, world, snapshot, transfer)
-            self._beside.ask(f"compared: {transfer}", make, partial(self.take, transfer))
+            self._beside(f"compared: {transfer}", make, partial(self.take, transfer))
 
     def take(self, transfer: str, made: tuple[tuple, str] | Exception) -> None:
         """Draw all once they are as asked for; or all are newer than those shown, while the demonstrator moves on."""
@@ -235,13 +230,12 @@ class Experiments:
     def __init__(
         self,
         worker: ExperimentWorker,
-        page_id: int,
         session: Session,
         motions: Motions,
         queue: CommandQueue,
         send: Callable[[str, bytes], None],
     ):
-        self._worker, self._page_id, self._session, self._motions = worker, page_id, session, motions
+        self._worker, self._session, self._motions = worker, session, motions
         self._queue, self._send = queue, send
         self.chosen = next(iter(EXPERIMENTS))
         self.latest: Run | None = None
@@ -263,12 +257,12 @@ class Experiments:
 
     def run_or_cancel(self) -> None:
         if self.going_on:
-            self._worker.cancel(self._page_id)
+            self._worker.cancel(self._queue)
             return
         offered = {"motion": self._motions.asked_for}
         options = {name: offered[name]() for name in EXPERIMENTS[self.chosen].options if name in offered}
         settings = msgspec.structs.replace(self._session.settings, sensor="projected")
-        self._worker.ask(self._page_id, Request(self.chosen, settings, options), self._on_result)
+        self._worker.ask(self._queue, Request(self.chosen, settings, options), self._on_result)
 
     def take(self, run: Run) -> None:
         """What the worker tells. Raises ValueError, after taking it, for a run that has failed."""
@@ -283,4 +277,4 @@ class Experiments:
         self._send(f"viewimit-{self.chosen}.zip", self.shown.archive)
 
     def _on_result(self, run: Run) -> None:
-        self._queue.put(JobResult(("run", run.name), self.take, run))
+        self._queue.put_made(("run", run.name), self.take, run)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import msgspec
 
+from viewimit.analysis.trajectory import encode_motion
 from viewimit.drawing.export.panels import largest_residual
 from viewimit.loop import link
 from viewimit.loop.embodiment import to_degrees
@@ -14,9 +15,8 @@ from viewimit.loop.script import Script
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
-from .choices import SWITCHES, Preset, View, presets_from, switched
-from .following import Played
-from .link import VERSUS, described, nearest, usual
+from .choices import SWITCHES, Preset, View
+from .link import VERSUS, Played, described, nearest, usual
 from .page_model import PageModel, Redraw
 
 MAX_READABLE = 6_000  # characters of a query, above which its script is packed
@@ -53,7 +53,9 @@ def tab_link(model: PageModel) -> tuple[str, str]:
     if session.cursor < len(session.history) - 1 and not why:
         extra.append(("at", str(session.cursor)))
     extra += _view_pairs(model)
-    for motion, one, versus in ((model.motions.file, script, other), (None, script, other), (None, script, None)):
+    recorded = model.motions.recorded
+    motion_file = None if recorded is None else encode_motion(recorded)
+    for motion, one, versus in ((motion_file, script, other), (None, script, other), (None, script, None)):
         try:
             return link.joined(_pairs(model, one, versus, motion=motion) + extra), why
         except ValueError as error:
@@ -128,8 +130,7 @@ def become(model: PageModel, played: Played, now: float) -> None:
     if played.is_own:
         model.past.clear()
     begun = page.script.settings
-    offered = presets_from(model.begun).values()
-    same = [preset for preset in (page.preset, *offered) if usual(preset) == begun]
+    same = [preset for preset in (page.preset, *model.presets.offered.values()) if usual(preset) == begun]
     model.presets.chosen = same[0] if same else page.preset
     if any(getattr(begun, name) != getattr(usual(page.preset), name) for name in BODIES) and not same:
         model.presets.chosen = Preset(FROM_LINK, begun, page.speed, "As it was sent.")
@@ -137,7 +138,7 @@ def become(model: PageModel, played: Played, now: float) -> None:
     model.tour_offered = model.tour_offered and page.offers_tour
     dark = model.view.dark if page.dark is None else page.dark
     chosen = largest_residual(model.session.snapshot) if page.chosen == -1 else page.chosen
-    model.view = replace(switched(model.view, page.show), chosen=chosen, dark=dark)
+    model.view = replace(model.view, chosen=chosen, dark=dark, **page.show)
     model.undoable.after_restart()
     for opponent in played.sessions[1:]:
         model.duel.resume(opponent)
@@ -169,19 +170,16 @@ class Keeper:
         self._model, self._send = model, send
         self._redraw, self._allowed, self._last = Redraw(), float(AT_ONCE), 0.0
         self._redraw.changed("state", self._state())  # as the page was built: it needs no storing
-        self._has_changed = self._has_acted = self._has_restored = False
+        self._has_changed = self._has_acted = False
         self._text, self._why = "", ""
 
     def tick(self, now: float, acted: int) -> None:
         """Send what has changed. acted: number of the last action that was applied."""
         model = self._model
-        self._has_restored |= model.following.restores
         if not model.is_kept or model.following.restores:
             return
-        has_changed = self._redraw.changed("state", self._state())
-        self._has_changed |= has_changed and not self._has_restored  # the tab stores the restored state already
+        self._has_changed |= self._redraw.changed("state", self._state())
         self._has_acted |= self._redraw.changed("acted", (acted,))
-        self._has_restored = False
         self._allowed = min(self._allowed + (now - self._last) / SEND_EVERY, float(AT_ONCE))
         self._last = now
         if self._allowed < (1 if self._has_changed else AT_ONCE) or not (self._has_changed or self._has_acted):
@@ -201,6 +199,6 @@ class Keeper:
         session, view, opponent = model.session, model.view, model.duel.opponent
         return (
             session.snapshot, len(session.history), model.preset, model.player.speed,
-            *(getattr(view, name) for name in ("chosen", "dark", *SWITCHES)), model.tour_offered, model.motions.file,
-            None if opponent is None else opponent.snapshot,
+            *(getattr(view, name) for name in ("chosen", "dark", *SWITCHES)), model.tour_offered,
+            model.motions.recorded, None if opponent is None else opponent.snapshot,
         )  # fmt: skip

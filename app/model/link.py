@@ -5,8 +5,11 @@ a duel the opponent's own query; and for the tab alone, the colours and whether 
 """
 
 import math
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Container, Iterator
+from dataclasses import dataclass, field
 from functools import cache
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -15,6 +18,7 @@ from viewimit.loop import link
 from viewimit.loop.embodiment import to_degrees
 from viewimit.loop.history import MAX_HISTORY
 from viewimit.loop.script import Begin, ChangeSettings, MoveDemonstrator, Script
+from viewimit.loop.session import Session
 from viewimit.loop.settings import OWN, Settings, convert_fields
 from viewimit.loop.simulated_robot import complete
 from viewimit.sensing.files import file_name, is_text
@@ -22,7 +26,11 @@ from viewimit.simulation.robot import robot_names
 from viewimit.simulation.scene import load_scene, scene_names
 from viewimit.simulation.scene_writing import scene_text
 
+from ..jobs.camera_images import CameraProcess, eyes_beside
 from .choices import FLAGS, PRESETS, SPEEDS, SWITCHES, Preset, View, presets_from
+from .player import DENSE
+from .queue import UNFINISHED, CommandQueue
+from .services import Services
 
 MAX_FRAMES = 100  # images averaged in each observation
 MAX_POINTS = 64  # placed by hand, or of a layout
@@ -44,7 +52,7 @@ class Linked(msgspec.Struct, frozen=True, kw_only=True):
     opponent: Script | None = None  # of a duel
     at: int = MAX_HISTORY  # the motion shown
     chosen: int | None = -1  # a point; -1: the one with the largest residual
-    show: dict[str, bool] = {}  # switches of the page
+    show: dict[str, Any] = {}  # switches of the page
     dark: bool | None = None
     offers_tour: bool = True
     motion: bytes | None = None  # a recorded motion, as its file
@@ -93,12 +101,13 @@ def read_link(query: str, begun: Settings) -> Linked:
     own = {name(place): place for place in (begun.scene, begun.robot) if place for name in (file_name, described)}
     preset = _preset(page.get("preset"), begun)
     base = usual(preset)
-    script, motion = _script(page.pop(link.PACKED, None), script_pairs, base)
+    share = 2 if VERSUS in page else 1
+    script, motion = _script(page.pop(link.PACKED, None), script_pairs, base, share)
     scripts = [script]
     if VERSUS in page:
         versus = link.split(page[VERSUS])
         packed = dict(versus).get(link.PACKED)
-        scripts.append(_script(packed, [pair for pair in versus if pair[0] != link.PACKED], base)[0])
+        scripts.append(_script(packed, [pair for pair in versus if pair[0] != link.PACKED], base, share)[0])
     scripts = [one.renamed(lambda name: own.get(name, name)) for one in scripts]
     require_allowed(scripts, begun)
     return Linked(
@@ -115,12 +124,13 @@ def read_link(query: str, begun: Settings) -> Linked:
     )
 
 
-def _script(packed: str | None, pairs: link.Pairs, base: Settings) -> tuple[Script, bytes | None]:
+def _script(packed: str | None, pairs: link.Pairs, base: Settings, share: int) -> tuple[Script, bytes | None]:
+    """share: of how many scripts of the link it is one."""
     if packed is None:
-        return link.understood(pairs, base), None
+        return link.understood(pairs, base, share), None
     if pairs:
         raise ValueError(f"the link has both {link.PACKED!r} and {pairs[0][0][:40]!r}")
-    found = link.unpacked(packed)
+    found = link.unpacked(packed, share)
     return found.script, found.motion
 
 
@@ -216,8 +226,9 @@ def _changed(action: ChangeSettings) -> Settings:
 def require_allowed(scripts: list[Script], begun: Settings) -> None:
     """Raise ValueError for work that a server does not do for every visitor."""
     texts: dict[str, None] = {}
+    scenes, robots = {*scene_names(), begun.scene}, {*robot_names(), begun.robot, None}
     for settings in settings_of(scripts):
-        _require_names(settings, begun)
+        _require_names(settings, scenes, robots)
         if is_text(settings.scene):
             texts[settings.scene] = None
     if len(texts) > MAX_SCENES:
@@ -226,14 +237,14 @@ def require_allowed(scripts: list[Script], begun: Settings) -> None:
         _require_scene(text)
 
 
-def _require_names(settings: Settings, begun: Settings) -> None:
+def _require_names(settings: Settings, scenes: Container[str], robots: Container[str | None]) -> None:
     """No file of the server is opened for a link, except those that it shows anyhow."""
     if OWN in (settings.transfer, settings.servo):
         raise ValueError("the link runs a transfer or a servo that only its author has")
-    if not is_text(settings.scene) and settings.scene not in (*scene_names(), begun.scene):
+    if not is_text(settings.scene) and settings.scene not in scenes:
         raise ValueError(f"the link shows a scene that is not here, {settings.scene[:80]!r}")
-    if settings.robot is not None and settings.robot not in (*robot_names(), begun.robot):
-        raise ValueError(f"the link shows a robot that is not here, {settings.robot[:80]!r}")
+    if settings.robot not in robots:
+        raise ValueError(f"the link shows a robot that is not here, {str(settings.robot)[:80]!r}")
     if len(settings.body_points or ()) > MAX_POINTS:
         raise ValueError(f"the link places {len(settings.body_points or ())} points; {MAX_POINTS} are the most")
     if settings.frames > MAX_FRAMES:
@@ -258,3 +269,83 @@ def _require_scene(text: str) -> None:
             raise ValueError(f"the link's scene has {count} {what}; {most} are the most")
     if not scene.title.isprintable():
         raise ValueError("the link's scene has a title that cannot be printed")
+
+
+# Its scripts are played beside the page, which then becomes what they lead to.
+
+TURN_S = 0.02  # of one page's scripts, before those of the next have their turn
+MAX_S = 30.0  # that scripts may take
+
+
+@dataclass(eq=False)
+class Played:
+    """What a link holds, and its sessions as far as they are played.
+
+    is_own: it is what the page's own tab has kept; camera: renders the pictures; error: why they are not played.
+    """
+
+    page: Linked
+    is_own: bool
+    camera: CameraProcess
+    sessions: list[Session] = field(default_factory=list)
+    error: Exception | None = None
+    spent_s: float = 0.0
+
+    def passes(self) -> Iterator[None]:
+        """Play it, and yield after each pass of the loop."""
+        for script in self.page.scripts:
+            session = Session(script.settings, open_eyes=eyes_beside(self.camera), dense=DENSE)
+            yield from session.passes(script)
+            session.scrub(min(self.page.at, len(session.history) - 1))
+            self.sessions.append(session)
+
+    def turn(self, passes: Iterator[None]) -> object:
+        """Play on for a turn, and rest as long, which leaves the pages time. Return UNFINISHED unless it is whole."""
+        clock = time.monotonic if self.page.uses_pictures else time.thread_time
+        began, computed = clock(), time.thread_time()
+        while clock() - began < TURN_S:
+            if next(passes, passes) is passes:
+                return None
+            if self.spent_s + clock() - began > MAX_S:
+                raise ValueError(f"it takes more than {MAX_S:g} s to compute")
+        self.spent_s += clock() - began
+        time.sleep(time.thread_time() - computed)
+        return UNFINISHED
+
+
+class Following:
+    """The saved page that a page becomes, if any.
+
+    goes_on: a script is still played; restores: it is what the page's own tab has kept, before which nothing else
+    counts.
+    """
+
+    def __init__(self, services: Services, queue: CommandQueue):
+        self._services, self._queue = services, queue
+        self._played: Played | None = None
+        self.goes_on = self.restores = False
+
+    def begin(self, page: Linked, become: Callable[[Played, float], None], is_own: bool = False) -> None:
+        """Play a saved page instead of the one that is played now. become(played, now): makes the page what it is."""
+        played = self._played = Played(page, is_own, self._services.camera)
+        self.goes_on, self.restores = True, is_own
+        worker = self._services.picture_scripts if page.uses_pictures else self._services.scripts
+        passes = played.passes()
+
+        def turn() -> object:
+            return played.turn(passes) if played is self._played else None
+
+        def arrive(made: Exception | None) -> None:
+            if played is self._played:  # it was not cancelled just when it was complete
+                self.let_go()
+                played.error = made
+                become(played, self._services.clock())
+
+        how = {"moves": True, "cancels": True, "is_made": False, "camera": lambda model: page.uses_pictures}
+        worker.ask(self._queue, "script", turn, arrive, **how)
+
+    def let_go(self) -> bool:
+        """Follow it no more. Return whether there was one."""
+        played, self._played = self._played, None
+        self.goes_on = self.restores = False
+        return played is not None

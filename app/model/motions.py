@@ -27,7 +27,7 @@ from .queue import RunInBackground
 RECORDED = "recorded"  # a motion's name
 TITLES = {"sinusoid": "sinusoid", "circle": "circle of the hand", RECORDED: "recorded"}
 NAMES = {name: TITLES.get(name, name) for name in (*MOTIONS, RECORDED)}
-MOST_BYTES = 2 << 20  # of a file
+MOST_BYTES = 1 << 20  # of a file, which is read in the loop; seven joints in 5,000 frames have 0.7 MB
 FILE = "viewimit-motion.json"
 
 
@@ -55,16 +55,11 @@ class Motions:
         )
         self.name = next(iter(NAMES))
         self.recorded: Motion | None = None
-        self._encoded: tuple[Motion, bytes] | None = None
         self.recorder: Recorder | None = None
         self.shown: Playback | None = None
         self._at: NDArray | None = None  # posture that the motion shown has put the demonstrator in
         self._then: Callable[[Playback], None] | None = None  # what waits for a motion that is being made
         self._scene = session.scene
-
-    @property
-    def recording(self) -> bool:
-        return self.recorder is not None
 
     @property
     def replaying(self) -> bool:
@@ -228,15 +223,6 @@ class Motions:
 
     def _forget_shown(self) -> None:
         self.shown = self._then = None
-
-    @property
-    def file(self) -> bytes | None:
-        """The motion that was recorded or loaded, as a file has it."""
-        if self.recorded is None:
-            return None
-        if self._encoded is None or self._encoded[0] is not self.recorded:
-            self._encoded = self.recorded, encode_motion(self.recorded)
-        return self._encoded[1]
 
     def _require_recorded(self) -> Motion:
         if self.recorded is None:

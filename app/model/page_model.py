@@ -19,10 +19,10 @@ from .choices import Freedom, Message, Preset, View
 from .computed import Basins, Comparison, DuelLandscapes, Experiments, OwnLandscape
 from .displayed import Display, Displayed
 from .editing import UndoableSession
-from .following import Following
+from .link import Following
 from .motions import Motions
-from .points import PointEditing
-from .queue import Beside, CommandQueue
+from .points import NOT_EDITED, PointEditing
+from .queue import CommandQueue
 from .services import Services
 
 
@@ -44,7 +44,6 @@ class PageModel:
 
     def __init__(
         self,
-        page_id: int,
         settings: Settings,
         services: Services,
         queue: CommandQueue,
@@ -54,16 +53,16 @@ class PageModel:
         self.undoable = UndoableSession(settings, services.camera, self._show_new_world)
         self.session, self.player, self.duel = self.undoable.session, self.undoable.player, self.undoable.duel
         self.presets, self.past = self.undoable.presets, self.undoable.past
-        self.following = Following(page_id, services, queue)
+        self.following = Following(services, queue)
         self.view, self.freedom = View(chosen=largest_residual(self.session.snapshot)), Freedom()
         self.display = Display(self.session, self.player)
-        beside, self._files = Beside(page_id, services.landscapes, queue), Beside(page_id, services.files, queue)
-        self.motions = Motions(self.session, self.undoable.pose, partial(beside.ask, "motion", moves=True), send)
-        self.points = PointEditing(self.session, self.undoable.set_body_points, partial(beside.ask, "point"), send)
-        self.experiments = Experiments(services.experiments, page_id, self.session, self.motions, queue, send)
+        beside, self._files = partial(services.landscapes.ask, queue), partial(services.files.ask, queue)
+        self.motions = Motions(self.session, self.undoable.pose, partial(beside, "motion", moves=True), send)
+        self.points = PointEditing(self.session, self.undoable.set_body_points, partial(beside, "point"), send)
+        self.experiments = Experiments(services.experiments, self.session, self.motions, queue, send)
         self.landscape, self.duel_landscapes = OwnLandscape(beside), DuelLandscapes(beside)
         self.comparison = Comparison(beside)
-        self.basins = Basins(page_id, services.basins, queue)
+        self.basins = Basins(services.basins, queue)
         self.tour_offered = True
         self.eye: Callable[[], Viewpoint | None] = lambda: None
         self.generation, self.inputs = 0, 0
@@ -71,7 +70,7 @@ class PageModel:
         self._refusal: Message | None = None
         self.unsaved = False
         self.is_kept = False
-        self.displayed = self.display.at(0.0, 0.0, self.view)
+        self.displayed, self.edited = self.display.at(0.0, 0.0, self.view), NOT_EDITED
 
     @property
     def settings(self) -> Settings:
@@ -124,11 +123,12 @@ class PageModel:
         if self.message is not None and now > self.message.until:
             self.message = None
         self.displayed = self.display.at(now, shortest_motion, self.view)
+        self.edited = self.points.shown if self.points.begun else NOT_EDITED
         return self.displayed
 
     def send_made(self, kind: str, make: Callable[[], Saved]) -> None:
         """Send the visitor a file that is made in the background; of each kind only the newest request."""
-        self._files.ask(f"saved {kind}", make, self._send_saved)
+        self._files(f"saved {kind}", make, self._send_saved)
 
     def _send_saved(self, made: Saved | Exception) -> None:
         if isinstance(made, Exception):

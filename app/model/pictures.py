@@ -25,7 +25,6 @@ from viewimit.drawing.export.figures import (
     typeset_equations,
 )
 from viewimit.drawing.export.perspective import draw_space
-from viewimit.drawing.export.replay import replay
 from viewimit.drawing.images.rectified import draw_rectified
 from viewimit.drawing.svg import count_motions
 from viewimit.drawing.theme import DRAWING_CSS
@@ -33,6 +32,7 @@ from viewimit.experiments import EXPERIMENTS
 
 from ..drawing.duel import draw_errors_alone, draw_race
 from ..jobs.child import render
+from ..lab.replay import replay
 from .page_model import PageModel, Saved
 
 FORMATS = ("SVG", "PNG")

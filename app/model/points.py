@@ -6,19 +6,16 @@ gets only the images of the points.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import msgspec
 from numpy.typing import NDArray
 
 from viewimit.analysis.observability import PointInformation, Proposal, best_next, find_candidates, point_information
-from viewimit.drawing.svg import count_points
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.loop.session import Session
-from viewimit.loop.settings import BodyPoint, Settings
+from viewimit.loop.settings import BodyPoint
 from viewimit.loop.snapshot import Snapshot
-from viewimit.simulation.scene import load_scene
 from viewimit.simulation.scene_writing import saved_scene
 from viewimit.simulation.world import World
 
@@ -41,6 +38,9 @@ class EditedPoints:
     searching: bool = False
 
 
+NOT_EDITED = EditedPoints()
+
+
 class PointEditing:
     """Of one session. lay(points): restarts it with these; run_in_background(make, take): make what takes
     long, then take it in the page's own time; send(name, data): a file for the visitor."""
@@ -53,29 +53,29 @@ class PointEditing:
         send: Callable[[str, bytes], None],
     ):
         self._session, self._lay, self._run_in_background, self._send = session, lay, run_in_background, send
-        self._on = False
+        self.begun = False  # and not ended by the visitor
         self._asked: tuple[World, NDArray] | None = None  # for what a proposal is being made
         self._made: tuple[World, NDArray, Proposal] | None = None
-        self._shown: tuple[tuple, EditedPoints] = (), EditedPoints()
+        self._shown: tuple[tuple, EditedPoints] = (), NOT_EDITED
 
     @property
     def on(self) -> bool:
-        return self._on and self._session.settings.sensor == "projected"
+        return self.begun and self._session.settings.sensor == "projected"
 
     def toggle(self) -> None:
         """Begin or end. Raises ValueError where pictures show markers."""
         self._asked = self._made = None
         if self.on:
-            self._on = False
+            self.begun = False
             return
         if self._session.settings.sensor == "rendered":
             raise ValueError("camera pictures show the markers that the arm wears: switch them off to edit points")
-        self._on = True
+        self.begun = True
 
     def let_go(self) -> bool:
         """Of a proposal, or else of editing. Whether there was one of them."""
         if self.proposal is None and self.on:
-            self._on = False
+            self.begun = False
             return True
         there, self._made = self.proposal is not None, None
         return there
@@ -134,7 +134,7 @@ class PointEditing:
         now = self._session.snapshot
         key = self.on, now if self.on else None, self.proposal, self._searching
         if len(self._shown[0]) != len(key) or any(one is not other for one, other in zip(key, self._shown[0])):
-            self._shown = key, self._seen(now) if self.on else EditedPoints()
+            self._shown = key, self._seen(now) if self.on else NOT_EDITED
         return self._shown[1]
 
     def _seen(self, now: Snapshot) -> EditedPoints:
@@ -175,22 +175,3 @@ def _search(world: World, moment: Snapshot) -> tuple[World, Snapshot, Proposal] 
         return world, moment, best_next(world, moment, find_candidates(world, moment.theta_demo))
     except ValueError as reason:
         return reason
-
-
-# Layouts of body points to choose from: the scene's own, and the one that was made by hand.
-
-
-def layout_choices(settings: Settings) -> dict[str, dict[str, Any]]:
-    """Settings to change, by name; none for the points by hand, if there are some."""
-    own = load_scene(settings.scene, settings.robot).points
-    choices: dict[str, dict[str, Any]] = {
-        count_points(int(count)): {"points": int(count), "body_points": None} for count in own
-    }
-    return choices if settings.body_points is None else {**choices, chosen_layout(settings): {}}
-
-
-def chosen_layout(settings: Settings) -> str:
-    """The name of the layout that there is now."""
-    if settings.body_points is None:
-        return count_points(settings.points)
-    return f"{len(settings.body_points)} by hand"

@@ -2,36 +2,36 @@
 
 import math
 import threading
+import traceback
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
-from ..jobs.threads import Worker
-
 PENDING_LIMIT = 200  # actions that wait, per page
+UNFINISHED = object()  # what a job returns that is to go on after those of other pages
 RunInBackground = Callable[[Callable[[], Any], Callable[[Any], None]], None]  # (make, take): take(make()), later
 
 
-class Queued:
-    """An entry of a page's queue: a user action, none of which is lost.
+@dataclass(eq=False)
+class Entry:
+    """An entry of a page's queue, no action of which is lost.
 
-    moves: it moves, poses or observes, which takes long with camera images; order_independent: it may be applied before
-    or after any other entry, so that it need not wait; cancels: it ends the computation that others wait for;
-    coalesce_key: of entries with the same key the newest is enough, None: each counts.
+    apply(model, now): carries it out on a `PageModel` at a time, s; raises ValueError, in words for the visitor. moves:
+    it moves, poses or observes, which takes long with camera images; order_independent: it may be applied before or
+    after any other entry, so that it need not wait; cancels: it ends the computation that others wait for;
+    coalesce_key: of entries with the same key the newest is enough, None: each counts; sender: the control that it came
+    from; camera(model): whether it will ask for camera images; is_made: by a worker, not by the visitor.
     """
 
+    apply: Callable[[Any, float], None]
     moves: bool = False
     order_independent: bool = False
     cancels: bool = False
     coalesce_key: Hashable | None = None
-
-    def needs_camera(self, model: Any) -> bool:
-        """Return whether it asks for camera images."""
-        return False
-
-    def apply(self, model: Any, now: float) -> None:
-        """Carry it out on a `PageModel` at a time, s. Raises ValueError, in words for the visitor."""
-        raise NotImplementedError
+    sender: Hashable = None
+    camera: Callable[[Any], bool] = lambda model: False
+    is_made: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,7 @@ class Command:
 
     parsers: by parameter, what a browser's value stands for; each raises ValueError if it stands for none; takes_now:
     it is given the time, s, too; latest: calls that differ in their last argument alone are values of one control, of
-    which the newest is enough; moves, order_independent, cancels: as of `Queued`; link: links of the drawings and the
+    which the newest is enough; moves, order_independent, cancels: as of `Entry`; link: links of the drawings and the
     page's script may call it; camera: called as `function`, whether it will ask for camera images.
     """
 
@@ -55,46 +55,22 @@ class Command:
     link: bool = False
     camera: Callable[..., bool] | None = None
 
-    def __call__(self, *values: Any, sender: Hashable = None) -> "Call":
+    def __call__(self, *values: Any, sender: Hashable = None) -> Entry:
         """Parse a browser's values. Raises ValueError for values that no visitor could have chosen."""
-        return Call(self, tuple(parse(value) for parse, value in zip(self.parsers, values, strict=True)), sender)
+        arguments = tuple(parse(value) for parse, value in zip(self.parsers, values, strict=True))
 
+        def apply(model: Any, now: float) -> None:
+            self.function(model, *arguments, **({"now": now} if self.takes_now else {}))
 
-class Call(Queued):
-    """A command with its arguments. sender: the control that it came from."""
-
-    def __init__(self, command: Command, arguments: tuple[Any, ...], sender: Hashable = None):
-        self.command, self.arguments, self.sender = command, arguments, sender
-        self.moves, self.cancels = command.moves, command.cancels
-        self.order_independent = command.order_independent
-        self.coalesce_key = (command.name, *arguments[:-1]) if command.latest else None
-
-    def needs_camera(self, model: Any) -> bool:
-        return self.command.camera is not None and self.command.camera(model, *self.arguments)
-
-    def apply(self, model: Any, now: float) -> None:
-        times = {"now": now} if self.command.takes_now else {}
-        self.command.function(model, *self.arguments, **times)
-
-
-class Rejected(Queued):
-    """An input that cannot be. sender: the control that it came from, of which the newest is enough."""
-
-    def __init__(self, why: str, sender: Hashable = None):
-        self.why, self.coalesce_key = why, None if sender is None else (Rejected, sender)
-
-    def apply(self, model: Any, now: float) -> None:
-        raise ValueError(self.why)
-
-
-class JobResult(Queued):
-    """What a worker has made, handed to the code that asked for it: take(made). Of one kind the newest is enough."""
-
-    def __init__(self, kind: Hashable, take: Callable[[Any], None], made: Any, moves: bool = False):
-        self.take, self.made, self.moves, self.coalesce_key = take, made, moves, (JobResult, kind)
-
-    def apply(self, model: Any, now: float) -> None:
-        self.take(self.made)
+        return Entry(
+            apply,
+            self.moves,
+            self.order_independent,
+            self.cancels,
+            (self.name, *arguments[:-1]) if self.latest else None,
+            sender,
+            lambda model: self.camera is not None and self.camera(model, *arguments),
+        )
 
 
 class CommandQueue:
@@ -107,9 +83,9 @@ class CommandQueue:
     def __init__(self, commands: Mapping[str, Command]):
         self.commands = commands
         self._lock = threading.Lock()
-        self._waiting: list[Queued] = []
+        self._waiting: list[Entry] = []
 
-    def put(self, entry: Queued) -> None:
+    def put(self, entry: Entry) -> None:
         with self._lock:
             full = len(self._waiting) >= PENDING_LIMIT
             if entry.coalesce_key is not None:
@@ -122,12 +98,24 @@ class CommandQueue:
         """Put a command with a browser's values, or its rejection. Raises KeyError for an unknown name."""
         command = self.commands[name]
         try:
-            entry: Queued = command(*values, sender=sender)
+            self.put(command(*values, sender=sender))
         except ValueError as why:
-            entry = Rejected(str(why), sender or name)
-        self.put(entry)
+            self.reject(str(why), sender or name)
 
-    def put_back(self, entries: list[Queued]) -> None:
+    def reject(self, why: str, sender: Hashable) -> None:
+        """Put what tells the visitor that an input cannot be; of a control the newest is enough."""
+
+        def refuse(model: Any, now: float) -> None:
+            raise ValueError(why)
+
+        self.put(Entry(refuse, coalesce_key=("rejected", sender)))
+
+    def put_made(self, kind: Hashable, take: Callable[[Any], None], made: Any, **how: Any) -> None:
+        """Put what a worker has made, for take(made); of a kind the newest is enough. how: as of `Entry`."""
+        entry: dict[str, Any] = {"coalesce_key": ("made", kind), "is_made": True} | how
+        self.put(Entry(lambda model, now: take(made), **entry))
+
+    def put_back(self, entries: list[Entry]) -> None:
         """Put back entries that were taken and not applied, before newer ones."""
         with self._lock:
             self._waiting = entries + self._waiting
@@ -149,19 +137,19 @@ class CommandQueue:
         async def put(_event) -> None:
             self.put(call)
 
-    def take(self) -> list[Queued]:
+    def take(self) -> list[Entry]:
         """Take all of it, in order."""
         with self._lock:
             taken, self._waiting = self._waiting, []
         return taken
 
-    def take_order_independent(self, cancelling: bool = False) -> list[Queued]:
+    def take_order_independent(self, cancelling: bool = False) -> list[Entry]:
         """While nothing may move: take the entries before the first that moves, and the order-independent ones.
 
         cancelling: also what ends the computation that the rest waits for.
         """
-        taken: list[Queued] = []
-        waiting: list[Queued] = []
+        taken: list[Entry] = []
+        waiting: list[Entry] = []
         blocked = False
         with self._lock:
             for entry in self._waiting:
@@ -174,9 +162,9 @@ class CommandQueue:
     def waiting_senders(self) -> set[Hashable]:
         """Return the controls whose newest values have not been applied."""
         with self._lock:
-            return {entry.sender for entry in self._waiting if isinstance(entry, Call)}
+            return {entry.sender for entry in self._waiting}
 
-    def _drop_older(self, entry: Queued, beyond_actions: bool) -> None:
+    def _drop_older(self, entry: Entry, beyond_actions: bool) -> None:
         for k in reversed(range(len(self._waiting))):
             other = self._waiting[k]
             if other.coalesce_key == entry.coalesce_key:
@@ -186,15 +174,46 @@ class CommandQueue:
                 return
 
 
-class Beside:
-    """Makes for a page what takes long, in a worker's thread."""
+class Worker:
+    """Makes in one thread, beside the pages, what takes a moment. Of a kind a page's newest request counts, and pages
+    take turns."""
 
-    def __init__(self, page_id: int, worker: Worker, queue: CommandQueue):
-        self._page_id, self._worker, self._queue = page_id, worker, queue
+    def __init__(self):
+        self._requests: dict[tuple[CommandQueue, str], tuple] = {}
+        self._changed = threading.Condition()
+        threading.Thread(target=self._run, name="viewimit-worker", daemon=True).start()
 
-    def ask(self, kind: str, make: Callable[[], Any], take: Callable[[Any], None], moves: bool = False) -> None:
-        """take(made, or why not) follows in the page's own time; of a kind the newest request is enough."""
-        self._worker.ask(self._page_id, make, lambda made: self._queue.put(JobResult(kind, take, made, moves)), kind)
+    def ask(
+        self, page: CommandQueue, kind: str, make: Callable[[], Any], take: Callable[[Any], None], **how: Any
+    ) -> None:
+        """take(made, or why not) follows in the page's own time. how: as of `Entry`."""
+        with self._changed:
+            self._requests[page, kind] = make, partial(page.put_made, kind, take, **how)
+            self._changed.notify()
+
+    def forget(self, page: CommandQueue) -> None:
+        with self._changed:
+            for key in [key for key in self._requests if key[0] is page]:
+                del self._requests[key]
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                while not self._requests:
+                    self._changed.wait()
+                key = next(iter(self._requests))
+                make, put = self._requests.pop(key)
+            try:
+                made = make()
+            except Exception as error:  # one page's fault must not end the others' work; its page says so
+                if not isinstance(error, ValueError):  # which is an answer
+                    traceback.print_exc()
+                made = error
+            if made is UNFINISHED:
+                with self._changed:
+                    self._requests.setdefault(key, (make, put))
+            else:
+                put(made)
 
 
 # What a browser sent for a parameter: anything may come

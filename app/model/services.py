@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from ..jobs.camera_images import CameraProcess
 from ..jobs.child import carry_out_basin
 from ..jobs.experiments import ExperimentWorker
-from ..jobs.threads import Worker
+from .queue import CommandQueue, Worker
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,12 +27,12 @@ class Services:
     basins: ExperimentWorker = field(default_factory=lambda: ExperimentWorker(carry_out_basin))
     clock: Callable[[], float] = time.monotonic
 
-    def forget(self, page_id: int) -> None:
+    def forget(self, page: CommandQueue) -> None:
         """Do nothing more for a page that is gone."""
         for each in (
             self.landscapes, self.files, self.scripts, self.picture_scripts, self.experiments, self.basins,
         ):  # fmt: skip
-            each.forget(page_id)
+            each.forget(page)
 
     def stop(self) -> None:
         """End all processes."""

@@ -17,7 +17,7 @@ from ..model.choices import WINDOW, Message
 from ..model.keeping import Keeper
 from ..model.page_model import PageModel, Redraw
 from ..model.player import BUDGET
-from ..model.queue import CommandQueue, JobResult, Queued
+from ..model.queue import CommandQueue, Entry
 from ..model.services import Services
 from ..panels import PANELS
 from ..panels.actions import Actions
@@ -44,7 +44,7 @@ class Page:
         self._world: World | None = None  # that is drawn
         self._posed: tuple[bytes, ...] | None = None  # the poses that are drawn
         self._sent_at: dict[str, float] = {}  # files by name
-        self.model = PageModel(client.client_id, settings, services, self.queue, self._send)
+        self.model = PageModel(settings, services, self.queue, self._send)
         self._commands = CommandLoop(self.model, self.queue, self._announce_pictures, services.clock)
         self._build(services, info)
         self.model.eye = self._scene.eye
@@ -184,7 +184,7 @@ class CommandLoop:
         images or long, at once if not."""
         model, restores = self._model, self._model.following.restores
         commands = self._queue.take_order_independent(cancelling=True) if restores else self._queue.take()
-        opens = any(entry.needs_camera(model) for entry in commands)
+        opens = any(entry.camera(model) for entry in commands)
         if not opens and model.session.settings.sensor == "projected":
             self._apply_in_time(commands, now)
             self._move_on(now, budget)
@@ -206,7 +206,7 @@ class CommandLoop:
         if model.player.due(now):
             self.turns.begin(lambda: model.player.advance(now, BESIDE), alone=False)
 
-    def _carry_out(self, commands: list[Queued], now: float) -> None:
+    def _carry_out(self, commands: list[Entry], now: float) -> None:
         for entry in commands:
             self._apply(entry, now)
         self._move_on(now, 0.0)
@@ -223,7 +223,7 @@ class CommandLoop:
         if motions.recorder is not None or motions.shown is not None:
             motions.tick()
 
-    def _apply_in_time(self, commands: list[Queued], now: float, rest: list[Queued] | None = None) -> bool:
+    def _apply_in_time(self, commands: list[Entry], now: float, rest: list[Entry] | None = None) -> bool:
         """Apply commands in their order. Return whether all were; else the others wait for the next tick."""
         until = self._clock() + MOST_A_PASS
         for k, entry in enumerate(commands):
@@ -242,14 +242,14 @@ class CommandLoop:
             self._model.undoable.leave_pictures()
             self._model.refuse(f"{lost}: back to projected points.", now + MESSAGE_STAYS)
 
-    def _apply(self, entry: Queued, now: float) -> None:
+    def _apply(self, entry: Entry, now: float) -> None:
         """Carry out one command; one that cannot be is said, and the others go on."""
         try:
             entry.apply(self._model, now)
         except ValueError as refusal:
             self._model.refuse(str(refusal), now + MESSAGE_STAYS)
             return
-        if not isinstance(entry, JobResult):
+        if not entry.is_made:
             self._model.inputs += 1
             if not entry.order_independent:
                 self._model.accept()

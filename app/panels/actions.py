@@ -5,6 +5,7 @@ number. So each is taken once, and in order, even if the connection breaks.
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Annotated
 
 import msgspec
@@ -12,7 +13,7 @@ import msgspec
 from viewimit.loop.link import MAX_LINK
 
 from ..model.page_model import PageModel
-from ..model.queue import CommandQueue, Rejected
+from ..model.queue import CommandQueue
 from ..viser_private import push_input
 from .panel import Layout
 
@@ -62,7 +63,7 @@ class Actions:
     def _call(self, control: str, value: str) -> None:
         command = self._queue.commands.get(control)
         if command is None or not command.link:
-            self._queue.put(Rejected(f"this page has no control {control!r}: reload it", ("action", control)))
+            self._queue.reject(f"this page has no control {control!r}: reload it", ("action", control))
         else:
             self._queue.call(control, *[value] * len(command.parsers), sender=("action", control))
 
@@ -79,4 +80,4 @@ def actions(layout: Layout, model: PageModel) -> None:
             push_input(box, str(taken.last))
 
     kept = layout.gui.add_text(KEPT_LABEL, "", visible=False)
-    taken.keep = lambda text: push_input(kept, text)
+    taken.keep = partial(push_input, kept)

@@ -14,9 +14,8 @@ from viewimit.wording import listed
 from ..drawing.joint_bars import draw_body_points
 from ..drawing.overlays import LESS, MORE, link
 from ..lab.page import lab_address, lab_lacks
-from ..model.choices import LARGE, NO_POINT
+from ..model.choices import LARGE, NO_POINT, chosen_layout, layout_choices
 from ..model.page_model import PageModel
-from ..model.points import chosen_layout, layout_choices
 from .panel import SLOWEST, Layout, put, put_html, put_properties
 
 REWRITTEN_EVERY = 2.0  # s: the address of the lab, which takes time
@@ -196,27 +195,27 @@ ABOUT = "Mark both arms yourself: click an arm to place a point, or a point to c
 
 def points(layout: Layout, model: PageModel) -> None:
     with layout.folder("Points", lambda model: str(len(model.session.world.body))), layout.row(quiet=True):
-        layout.button(lambda model: DONE if model.points.on else EDIT, "edit_points", hint="on both arms, by clicks; E")
+        layout.button(lambda model: DONE if model.edited.on else EDIT, "edit_points", hint="on both arms, by clicks; E")
         layout.button(("Save scene", Icon.DOWNLOAD), "scene", hint="as a file for viewimit imitate --scene")
         layout.button(
-            lambda model: PROPOSE if model.points.proposal is None else TAKE,
+            lambda model: PROPOSE if model.edited.proposal is None else TAKE,
             "best",
             hint="the point that would help most; B",
-            enabled=lambda model: model.points.shown.on and not model.points.shown.searching,
+            enabled=lambda model: model.edited.on and not model.edited.searching,
         )
         layout.button(
             ("Remove", Icon.TRASH),
             "remove",
             hint="the chosen point; Delete",
-            enabled=lambda model: model.points.on and model.view.chosen is not None,
+            enabled=lambda model: model.edited.on and model.view.chosen is not None,
         )
         status = layout.gui.add_html("")
 
     def draw(model: PageModel) -> None:
-        points, joints = model.points.shown, model.session.scene.moving_joints
+        points, joints = model.edited, model.session.scene.moving_joints
         content = ABOUT
         if points.information is not None:
             content = draw_body_points(joints, points.information, points.proposal, points.searching)
         put_html(status, f'<div class="vi-edited">{content}</div>')
 
-    layout.drawing(lambda model: (model.points.shown, model.generation), draw)
+    layout.drawing(lambda model: (model.edited, model.generation), draw)

@@ -142,7 +142,7 @@ def motions(layout: Layout, model: PageModel) -> None:
         layout.gui.add_html(f'<div class="vi-about">{ABOUT}</div>')
         with layout.row():
             layout.dropdown("Chosen motion", list(NAMES.values()), lambda model: NAMES[model.motions.name], "motion")
-            layout.button(lambda model: STOP if model.motions.recording else RECORD, "record", color=rgb("stopped"))
+            layout.button(lambda model: STOP if model.motions.recorder else RECORD, "record", color=rgb("stopped"))
             layout.button(lambda model: STOP if model.motions.replaying else REPLAY, "replay")
         time = layout.slider(
             "Time (s)",

@@ -62,7 +62,7 @@ def keys(layout: Layout, model: PageModel) -> None:
     for key in KEYS:
         _add_hotkey(layout, key)
     content = lambda model: help_html(key_caps(KEYS))
-    layout.modal("viewimit: what is seen here", "help", lambda model: model.view.help, content)
+    layout.modal("viewimit: what is seen here", "help", content)
 
 
 def _add_hotkey(layout: Layout, key: Key) -> None:

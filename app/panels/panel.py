@@ -16,8 +16,7 @@ from typing import Any, NamedTuple
 
 from viser import ClientHandle, IconName
 
-from viewimit.drawing.export.engine_scene import joint_name
-
+from ..lab.engine_scene import joint_name
 from ..lab.lessons.format import Lesson
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue
@@ -228,33 +227,33 @@ class Layout:
     def modal(
         self,
         title: str,
-        command: str,
-        is_open: Callable[[PageModel], bool],
+        field: str,
         content: Callable[[PageModel], str],
         key: Callable[[PageModel], tuple] = lambda model: (),
         period: float = 0.0,
     ) -> None:
-        """A card over the page, which a command closes. content: its HTML; key: what that depends on."""
+        """A card over the page. field: of the view, whether it is open, and the name of the command that closes it;
+        content: its HTML; key: what that depends on."""
         card: Any = None  # the open one, whose class viser does not name
         inside: Any = None
 
         def draw(model: PageModel) -> None:
             nonlocal card, inside
-            if card is not None and not is_open(model):
-                card.close()
+            if not getattr(model.view, field):
+                if card is not None:
+                    card.close()
                 card = None
-            if not is_open(model):
                 return
             if card is None:
                 card = self.gui.add_modal(title)
                 with card:
                     done = self.gui.add_button("Close")  # first, so that it has the focus and is in sight
                     inside = self.gui.add_html("")
-                self.queue.on_click(done, command)
+                self.queue.on_click(done, field)
             put_html(inside, content(model))
 
-        shown = lambda model: (True, *key(model)) if is_open(model) else (False,)
-        self.drawing(shown, draw, lambda model: period if card is not None and is_open(model) else 0.0)
+        shown = lambda model: (True, *key(model)) if getattr(model.view, field) else (False,)
+        self.drawing(shown, draw, lambda model: period if card is not None and getattr(model.view, field) else 0.0)
 
     def value(self, handle: Any, value: Read, command: str, *first: Any, period: float = 0.0) -> Any:
         """Bind a widget of any kind: what it shows, and the command that a person's change of it calls."""

@@ -48,7 +48,7 @@ def _images_key(model: PageModel) -> tuple:
     view, displayed = model.view, model.displayed
     switches = view.goal, view.truth, view.chosen, view.whole_frames, view.rectified, displayed.stage
     snapshots = displayed.image_snapshot, displayed.preview
-    return model.generation, *snapshots, model.points.shown, *switches, *displayed.pictures.values()
+    return model.generation, *snapshots, model.edited, *switches, *displayed.pictures.values()
 
 
 def _draw_images(shown: Any, proposed: Any, model: PageModel) -> None:
@@ -58,7 +58,7 @@ def _draw_images(shown: Any, proposed: Any, model: PageModel) -> None:
         put_html(shown, draw_rectified(now, bodies))
         put_html(proposed, "")
         return
-    marks = model.points.shown.proposed_in
+    marks = model.edited.proposed_in
     put_html(proposed, "" if marks is None else proposed_marks(marks, windows, view.whole_frames))
     standing = None if displayed.preview is None else displayed.look_at(model.snapshot)[0]
     seen = now.views

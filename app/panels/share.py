@@ -46,7 +46,6 @@ def share(layout: Layout, model: PageModel) -> None:
     layout.modal(
         "What this page shows, for others",
         "share",
-        lambda model: model.view.share,
         lambda model: share_html(model, origin, is_local=layout.info.public_url is None),
         lambda model: (model.snapshot, model.view, model.player.speed, model.preset.name),
         SLOWEST,

@@ -31,7 +31,7 @@ def status(layout: Layout, model: PageModel) -> None:
     def key(model: PageModel) -> tuple:
         shown, message = model.displayed, model.message
         on_its_way = None if shown.interpolated_theta is None else shown.interpolated_theta.tobytes()
-        snapshots = model.snapshot, shown.scene_snapshot, on_its_way, shown.preview, shown.playback, model.points.shown
+        snapshots = model.snapshot, shown.scene_snapshot, on_its_way, shown.preview, shown.playback, model.edited
         said = None if message is None else message.text
         return (
             said,
@@ -46,7 +46,7 @@ def status(layout: Layout, model: PageModel) -> None:
     def draw(model: PageModel) -> None:
         said, truth = _said(model), _truth(model)
         layout.named["truth"] = truth
-        kind = "proposed" if said.state == "editing" and model.points.proposal is not None else said.state
+        kind = "proposed" if said.state == "editing" and model.edited.proposal is not None else said.state
         choices = "".join(link(what, words, words) for what, words in CHOICES.get(kind, ()))
         choices += "<kbd>Esc</kbd>" if choices else ""
         put_html(strip, draw_status(said, truth, choices, _outcome(model, said)))
@@ -71,7 +71,7 @@ def _said(model: PageModel) -> StatusMessage:
         return StatusMessage(*busy)
     if model.following.goes_on:
         return StatusMessage("message", RESTORES if model.following.restores else FOLLOWS)
-    points = model.points.shown
+    points = model.edited
     if points.information is not None and not model.player.playing:
         joints = session.scene.moving_joints
         return StatusMessage(
@@ -120,4 +120,6 @@ def _busy(model: PageModel) -> tuple[str, str] | None:
     motions = model.motions
     if model.displayed.playback is not None:
         return "replaying", model.displayed.playback
-    return motions.describe() if motions.recording or motions.replaying else None
+    if motions.recorder is None and motions.shown is None:
+        return None
+    return motions.describe() if motions.recorder is not None or motions.replaying else None

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw, ImageFont
 from viewimit.assets import ROOT
 from viser import ImageHandle, SceneApi, SceneNodeHandle
+from viser.transforms import SO3
 
 from viewimit.drawing.theme import rgb
 from viewimit.simulation.scene_geometry import default_view
@@ -40,31 +41,10 @@ class Nodes:
                 node.visible = False
 
 
-# Rotations as viser takes them: unit quaternions (w, x, y, z).
-
-
 def quaternion(rotation: NDArray) -> tuple[float, float, float, float]:
-    """R (3, 3) → (w, x, y, z), by the largest of its four squares (Shepperd 1978)."""
-    m = rotation
-    squares = np.array(
-        [
-            1 + m[0, 0] + m[1, 1] + m[2, 2],
-            1 + m[0, 0] - m[1, 1] - m[2, 2],
-            1 - m[0, 0] + m[1, 1] - m[2, 2],
-            1 - m[0, 0] - m[1, 1] + m[2, 2],
-        ]
-    )
-    k = int(np.argmax(squares))
-    products = np.array(
-        [
-            [squares[0], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]],
-            [m[2, 1] - m[1, 2], squares[1], m[1, 0] + m[0, 1], m[0, 2] + m[2, 0]],
-            [m[0, 2] - m[2, 0], m[1, 0] + m[0, 1], squares[2], m[2, 1] + m[1, 2]],
-            [m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[2, 1] + m[1, 2], squares[3]],
-        ]
-    )
-    w, x, y, z = products[k] / (2 * np.sqrt(squares[k]))
-    return float(w), float(x), float(y), float(z)
+    """R (3, 3) → (w, x, y, z), as viser takes rotations."""
+    w, x, y, z = SO3.from_matrix(rotation).wxyz.tolist()
+    return w, x, y, z
 
 
 # Colours as viser takes them.

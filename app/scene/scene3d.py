@@ -58,6 +58,7 @@ class Scene3D:
         self._fixtures: Fixtures | None = None  # before the first world
         self._gizmo = HandGizmo(client, queue)
         self._dark, self._shadows, self._fits = False, False, 0
+        self._pictured = False  # whether the image plates show pictures
         self._view = DefaultView(client)
         self._points = np.zeros((0, 3))  # m, the learner's and the demonstrator's as they are drawn
         self._edited: Snapshot | None = None  # where the arms stand while a click places a point
@@ -92,11 +93,11 @@ class Scene3D:
         """What `show` depends on; of snapshots their identity counts."""
         shown = model.displayed
         posed = model.snapshot.theta_demo.tobytes(), self._gizmo.drops, self._view.aspect, self._view.camera_is_default
-        return model.generation, shown.scene_snapshot, model.view, model.points.shown, *posed, *shown.pictures.values()
+        return model.generation, shown.scene_snapshot, model.view, model.edited, *posed, *shown.pictures.values()
 
     def show(self, model: PageModel) -> None:
         """All but the poses of the arms. A canvas of another shape, as when panels dock, is fitted again."""
-        view, snapshot, points = model.view, model.displayed.scene_snapshot, model.points.shown
+        view, snapshot, points = model.view, model.displayed.scene_snapshot, model.edited
         if (view.on("dark"), view.shadows) != (self._dark, self._shadows):
             self._dark, self._shadows = view.on("dark"), view.shadows
             add_light(self._client.scene, LOOKS[self._dark], self._shadows)
@@ -108,7 +109,9 @@ class Scene3D:
         self._draw(model.displayed)
         self._edited = snapshot if points.on else None
         self._proposed.show(None if points.proposal is None else points.proposal.point)
-        self._standing.show_pictures(model.displayed.pictures)
+        if model.displayed.pictures or self._pictured:
+            self._standing.show_pictures(model.displayed.pictures)
+        self._pictured = bool(model.displayed.pictures)
         self._gizmo.show(view.gizmo, self._world, snapshot.theta_demo)
 
     def _draw(self, displayed: Displayed) -> None:

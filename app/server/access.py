@@ -4,31 +4,30 @@ viser opens a websocket server that takes anybody, from any page, and any messag
 """
 
 import asyncio
-import http
 import json
 import logging
 from collections.abc import Callable, Iterable
+from functools import partial
+from http import HTTPStatus
 
 import viser
 from viser import ViserServer
-from websockets.datastructures import Headers, MultipleValuesError
+from websockets.datastructures import MultipleValuesError
 from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 from websockets.typing import Origin
 
 from .. import viser_private
 from .address import is_own_page
-from .connection import CONNECTION, MOST_MESSAGE, GuardedConnection, plain_response
-from .limits import Limits, PendingConnections, TokenBucket, in_a_line
-from .page_head import content_policy, with_own_head
+from .connection import CONNECTION, MOST_MESSAGE, GuardedConnection
+from .limits import PENDING, Limits, PendingConnections, TokenBucket, in_a_line
+from .page_head import page_policy, with_own_head
+from .web import plain_response, serving_options
 
 VERSION = "viser-v"
 OWN_VERSION = VERSION + viser.__version__  # of the page, as its handshake says it
 LAB_HEADERS = {"X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer"}  # its policy is in the page
-OF_CLIENTS = "opening handshake failed"  # websockets logs it of clients that ask for nothing, or not for a websocket
 log = logging.getLogger(__name__)
-of_websockets = logging.getLogger("viewimit.websockets")
-of_websockets.addFilter(lambda record: record.getMessage() != OF_CLIENTS)
 
 NO_SEAT = "All seats are taken ({why}). This page tries again every few seconds; close a tab elsewhere to make room.\n"
 
@@ -45,7 +44,7 @@ class AccessControl:
         self._guarded = asyncio.Event()
         self.seats: set[GuardedConnection] = set()
         self._faults = TokenBucket(1, 1)
-        self.pending = PendingConnections(limits.pending, limits.pending_of_one)
+        self.pending = PendingConnections(PENDING, limits.pending_of_one)
 
     def guard(self, server: ViserServer) -> None:
         """Guard the clients of a server. Nobody gets a seat before."""
@@ -53,13 +52,10 @@ class AccessControl:
         server.get_event_loop().call_soon_threadsafe(self._guarded.set)
 
     def serve(self, plain: Callable, handler, host, port, *, process_request, **options):
-        def connect(protocol, websockets_server, **limits) -> GuardedConnection:
-            return GuardedConnection(self, protocol, websockets_server, **limits)
-
         async def handle(connection: GuardedConnection) -> None:
             if connection.subprotocol != OWN_VERSION:  # viser would print the version as it is sent
                 theirs = (connection.subprotocol or "unknown").removeprefix(VERSION)[:40]
-                self.note(connection, f"a page of another version, {theirs}")
+                connection.note(f"a page of another version, {theirs}")
                 said = f"Version mismatch. Client: {theirs}, Server: {viser.__version__}"  # as viser's page knows it
                 await connection.close(CloseCode.PROTOCOL_ERROR, said)
                 return
@@ -72,18 +68,12 @@ class AccessControl:
             host,
             port,
             **options
-            | {
-                "process_request": lambda connection, request: self._answer(connection, request, process_request),
-                "process_response": _without_body,
-                "create_connection": connect,
-                "max_size": MOST_MESSAGE,
-                "ping_interval": self.limits.ping_every,
-                "ping_timeout": self.limits.pong_within,
-                "open_timeout": self.limits.head_within,
-                "close_timeout": self.limits.closed_within,
-                "server_header": None,
-                "logger": of_websockets,
-            },
+            | serving_options(
+                partial(GuardedConnection, self.pending, self.seats, self.limits, self.belongs_to_another),
+                lambda connection, request: self._answer(connection, request, process_request),
+                MOST_MESSAGE,
+                self.limits,
+            ),
         )
 
     def _tell_fault(self, _loop: asyncio.AbstractEventLoop, context: dict) -> None:
@@ -91,20 +81,17 @@ class AccessControl:
         if self._faults.take():
             log.error(in_a_line(context["message"], context.get("exception")))
 
-    def note(self, connection: GuardedConnection, what: str) -> None:
-        log.warning("%s: refused %s", connection.name, ascii(what)[1:-1][:300])  # it may hold what the client wrote
-
     def belongs_to_another(self, uuid: str) -> bool:
         clients = {} if self._server is None else self._server.get_clients()
         return any(uuid in viser_private.own(client).widgets for client in clients.values())
 
-    def _no_seat(self, connection: GuardedConnection) -> tuple[http.HTTPStatus, str] | None:
+    def _no_seat(self, connection: GuardedConnection) -> tuple[HTTPStatus, str] | None:
         """Return why there is no seat for a connection; None if there is one."""
         if len(self.seats) >= self.limits.seats:
-            return http.HTTPStatus.SERVICE_UNAVAILABLE, f"all {self.limits.seats} are taken"
+            return HTTPStatus.SERVICE_UNAVAILABLE, f"all {self.limits.seats} are taken"
         most = self.limits.seats_of_one
         if sum(seat.network == connection.network for seat in self.seats) >= most:
-            return http.HTTPStatus.TOO_MANY_REQUESTS, f"its address has {most} already; --max-per-address allows more"
+            return HTTPStatus.TOO_MANY_REQUESTS, f"its address has {most} already; --max-per-address allows more"
         return None
 
     async def _answer(self, connection: GuardedConnection, request: Request, viser_answers: Callable):
@@ -112,76 +99,58 @@ class AccessControl:
         try:
             return await self._answer_as_asked(connection, request, viser_answers)
         except MultipleValuesError as header:
-            self.note(connection, f"a request with more than one {header}")
-            return plain_response(http.HTTPStatus.BAD_REQUEST, "a header that may come once comes twice\n")
+            connection.note(f"a request with more than one {header}")
+            return plain_response(HTTPStatus.BAD_REQUEST, "a header that may come once comes twice\n")
         except Exception as error:
             log.error(in_a_line("a request could not be answered", error))
-            return plain_response(http.HTTPStatus.INTERNAL_SERVER_ERROR, "the server met an error\n")
+            return plain_response(HTTPStatus.INTERNAL_SERVER_ERROR, "the server met an error\n")
 
     async def _answer_as_asked(self, connection: GuardedConnection, request: Request, viser_answers: Callable):
         """Wait until the server is guarded."""
         host, origin = request.headers.get("Host", ""), request.headers.get("Origin")
         await self._guarded.wait()
         if connection.transport.is_closing():  # it did not
-            return plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, "gone")
+            return plain_response(HTTPStatus.SERVICE_UNAVAILABLE, "gone")
         path = request.path.partition("?")[0]
         if path == "/health":
             report = json.dumps({"status": "ok", "clients": len(self.seats)})
-            return plain_response(http.HTTPStatus.OK, report + "\n", "application/json")
+            return plain_response(HTTPStatus.OK, report + "\n", "application/json")
         if path == "/lab" or path.startswith("/lab/"):
             return await self._answer_lab(path[5:])
         try:
             answer = viser_answers(connection, request)
         except (OSError, ValueError):  # a path that no file can have
-            answer = plain_response(http.HTTPStatus.NOT_FOUND, "not found")
+            answer = plain_response(HTTPStatus.NOT_FOUND, "not found")
         if answer is None:
             return self._refuse_seat(connection, host, origin)
-        if answer.status_code == http.HTTPStatus.NOT_FOUND:
-            answer = plain_response(http.HTTPStatus.NOT_FOUND, "not found")
+        if answer.status_code == HTTPStatus.NOT_FOUND:
+            answer = plain_response(HTTPStatus.NOT_FOUND, "not found")
         if answer.headers.get("Content-Type", "").startswith("text/html"):
             if no_seat := self._no_seat(connection):
                 answer = plain_response(no_seat[0], NO_SEAT.format(why=no_seat[1]), Refresh="5")
             else:
                 with_own_head(answer)
-        _describe(answer.headers, host)
+        answer.headers.update(LAB_HEADERS)
+        answer.headers["Content-Security-Policy"] = page_policy(host)
+        answer.headers["Cross-Origin-Opener-Policy"] = "same-origin"
+        for name, value in (("Cache-Control", "no-cache"), ("Connection", "close")):
+            answer.headers.pop(name, None)  # to set one that is there would add to it
+            answer.headers[name] = value
         return answer
 
     async def _answer_lab(self, name: str) -> Response:
         """Return the page of the lab or a lesson."""
         page = await asyncio.to_thread(self._lab, name)
         if page is None:
-            return plain_response(http.HTTPStatus.NOT_FOUND, "no such lesson")
-        return plain_response(http.HTTPStatus.OK, page, "text/html", **LAB_HEADERS)
+            return plain_response(HTTPStatus.NOT_FOUND, "no such lesson")
+        return plain_response(HTTPStatus.OK, page, "text/html", **LAB_HEADERS)
 
     def _refuse_seat(self, connection: GuardedConnection, host: str, origin: str | None) -> Response | None:
         if origin is not None and not is_own_page(Origin(origin), host, self._origins):
-            self.note(connection, f"a page of {origin} on {host}; --origin {origin} would let it in")
-            return plain_response(http.HTTPStatus.FORBIDDEN, "not from there")
+            connection.note(f"a page of {origin} on {host}; --origin {origin} would let it in")
+            return plain_response(HTTPStatus.FORBIDDEN, "not from there")
         if no_seat := self._no_seat(connection):
-            self.note(connection, f"a seat: {no_seat[1]}")
+            connection.note(f"a seat: {no_seat[1]}")
             return plain_response(no_seat[0], no_seat[1])
-        self.pending.discard(connection)
-        self.seats.add(connection)
         connection.take_seat()
         return None
-
-    def leave(self, connection: GuardedConnection) -> None:
-        """Free the place of a connection that has ended."""
-        self.pending.discard(connection)
-        self.seats.discard(connection)
-
-
-def _without_body(connection: GuardedConnection, _request: Request, response: Response) -> None:
-    if connection.is_head_request:
-        response.body = b""
-
-
-def _describe(headers: Headers, host: str) -> None:
-    """Add the headers for security: where the page may connect to, and that its types are as declared."""
-    headers["Content-Security-Policy"] = content_policy(host)
-    headers["X-Content-Type-Options"] = "nosniff"
-    headers["Referrer-Policy"] = "no-referrer"
-    headers["Cross-Origin-Opener-Policy"] = "same-origin"
-    for name, value in (("Cache-Control", "no-cache"), ("Connection", "close")):
-        headers.pop(name, None)  # to set one that is there would add to it
-        headers[name] = value

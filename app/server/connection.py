@@ -1,65 +1,47 @@
-"""A connection, whose messages are checked before viser sees them. websockets reads its request."""
+"""A connection, whose messages are checked before viser sees them."""
 
 import asyncio
-import re
-import socket
+import logging
+from collections.abc import Callable
 from contextlib import suppress
 from contextvars import ContextVar
-from http import HTTPStatus
-from typing import Any, Protocol
+from typing import Any
 
 from viser import ClientHandle
-from websockets.asyncio.server import ServerConnection
-from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.frames import CloseCode
-from websockets.http11 import Response
 
 from . import messages
-from .limits import Limits, PendingConnections, TokenBucket, network_of
+from .limits import Limits, PendingConnections, TokenBucket
 from .messages import PART, Hostile, MessageValidator, Refused
+from .web import Connection
 
-AS_GET = re.compile(rb"(?:GET|HEAD) (\S+) HTTP/1\.[01](?=\r\n)")  # websockets reads GET of HTTP/1.1 alone
-UNSENT = 1 << 18  # bytes that the system keeps for a client: a ping does not wait long behind them
-TAKES_WITHIN = 60_000  # ms, in which a client takes something of what is sent to it (Linux)
 MOST_MESSAGE = PART + 4096  # bytes
 FRAMES_A_SECOND, FRAMES_AT_ONCE = 150, 600  # of all kinds; a browser sends at most 20 a second and widget
 REFUSALS_A_SECOND, REFUSALS_AT_ONCE = 0.5, 20  # messages that are dropped, before the client is closed
+log = logging.getLogger(__name__)
 
 
-def plain_response(status: HTTPStatus, text: str, kind: str = "text/plain", **more: str) -> Response:
-    """Return an answer with which the connection ends. more: further headers."""
-    body = text.encode()
-    headers = Headers({"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(body)), **more})
-    headers["Connection"] = "close"
-    headers["Cache-Control"] = "no-store"
-    return Response(status.value, status.phrase, headers, body)
+class GuardedConnection(Connection):
+    """A connection whose `recv` returns messages that were checked only.
 
-
-class Host(Protocol):
-    """The part of the server that a connection uses."""
-
-    limits: Limits
-    pending: PendingConnections
-
-    def note(self, connection: "GuardedConnection", what: str) -> None: ...
-
-    def belongs_to_another(self, uuid: str) -> bool: ...
-
-    def leave(self, connection: "GuardedConnection") -> None: ...
-
-
-class GuardedConnection(ServerConnection):
-    """A connection whose `recv` returns messages that were checked only. network: where it comes from; client: viser's
-    of it, from the first view on."""
+    client: viser's of it, from the first view on; seats: those that are taken; belongs_to_another(uuid): whether
+    another client has such a widget.
+    """
 
     client: ClientHandle | None = None
-    is_head_request = False
 
-    def __init__(self, host: Host, *args, **limits):
-        super().__init__(*args, **limits)
-        self._host = host
-        self.network = network_of(None)
+    def __init__(
+        self,
+        pending: PendingConnections,
+        seats: set["GuardedConnection"],
+        limits: Limits,
+        belongs_to_another: Callable[[str], bool],
+        *args,
+        **options,
+    ):
+        super().__init__(pending, *args, **options)
+        self._seats, self._limits, self._belongs_to_another = seats, limits, belongs_to_another
         self._frames = TokenBucket(FRAMES_A_SECOND, FRAMES_AT_ONCE)
         self._refusals = TokenBucket(REFUSALS_A_SECOND, REFUSALS_AT_ONCE)
         self._validator: MessageValidator | None = None
@@ -72,29 +54,19 @@ class GuardedConnection(ServerConnection):
         address = self.remote_address
         return f"{address[0]}:{address[1]}" if address else "a client that is gone"
 
-    def connection_made(self, transport) -> None:
-        super().connection_made(transport)
-        self.network = network_of(self.remote_address)
-        self._host.pending.add(self, self.network, transport.abort)
-        ours = transport.get_extra_info("socket")
-        ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, UNSENT)
-        if hasattr(socket, "TCP_USER_TIMEOUT"):
-            ours.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, TAKES_WITHIN)
-
-    def data_received(self, data: bytes) -> None:
-        if self.request is None:
-            self.is_head_request = self.is_head_request or data.startswith(b"HEAD ")
-            data = AS_GET.sub(rb"GET \1 HTTP/1.1", data, count=1) if AS_GET.match(data) else data
-        super().data_received(data)
+    def note(self, what: str) -> None:
+        log.warning("%s: refused %s", self.name, ascii(what)[1:-1][:300])  # it may hold what the client wrote
 
     def connection_lost(self, exc: Exception | None) -> None:
-        self._host.leave(self)
+        self._seats.discard(self)
         if self._starts is not None:
             self._starts.cancel()
         super().connection_lost(exc)
 
     def take_seat(self) -> None:
-        self._starts = self.loop.call_later(self._host.limits.page_within, self._end_if_idle)
+        self.pending.discard(self)
+        self._seats.add(self)
+        self._starts = self.loop.call_later(self._limits.page_within, self._end_if_idle)
 
     def process_event(self, event) -> None:
         if self.request is not None and not self._frames.take():
@@ -109,7 +81,7 @@ class GuardedConnection(ServerConnection):
                 raw = await super().recv(decode)
             except ConnectionClosed as closed:
                 if closed.sent is not None and closed.sent.code == CloseCode.MESSAGE_TOO_BIG:
-                    self._host.note(self, f"a message of more than {MOST_MESSAGE} bytes")
+                    self.note(f"a message of more than {MOST_MESSAGE} bytes")
                 raise
             try:
                 self._admit(raw)
@@ -118,7 +90,7 @@ class GuardedConnection(ServerConnection):
                 if not self._refusals.take():
                     self._end(CloseCode.POLICY_VIOLATION, "too many messages that make no sense")
                 elif self._failing is None:
-                    self._host.note(self, str(refusal))
+                    self.note(str(refusal))
             except Hostile as refusal:
                 self._end(CloseCode.POLICY_VIOLATION, str(refusal))
 
@@ -129,7 +101,7 @@ class GuardedConnection(ServerConnection):
                 if not isinstance(message, messages.ViewerCameraMessage):
                     raise Hostile(f"{type(message).__name__} before the first view")
                 return
-            self._validator = MessageValidator(self.client, self._host.belongs_to_another)
+            self._validator = MessageValidator(self.client, self._belongs_to_another)
             if self._starts is not None:
                 self._starts.cancel()
         self._validator.admit(message)
@@ -141,9 +113,9 @@ class GuardedConnection(ServerConnection):
     def _end(self, code: CloseCode, what: str) -> None:
         """Log the reason and close. Later messages are not read; without a closing handshake it is aborted."""
         if self._failing is None:
-            self._host.note(self, f"{what}; closed")
+            self.note(f"{what}; closed")
             self._failing = self.loop.create_task(self._fail(code, what))
-            self.loop.call_later(self._host.limits.closed_within, self.transport.abort)
+            self.loop.call_later(self._limits.closed_within, self.transport.abort)
 
     async def _fail(self, code: CloseCode, what: str) -> None:
         with suppress(ConnectionClosed):

@@ -95,12 +95,15 @@ class PendingConnections:
         end()
 
 
+PENDING = 200  # connections without a seat, such as page loads
+PAGE_CONNECTIONS = 12  # that a browser or two open at once
+
+
 @dataclass(frozen=True)
 class Limits:
-    """The limits of the server.
+    """The limits of a server.
 
-    seats: tabs at a time; seats_of_one: of those, from one address; pending: connections without a seat, such as page
-    loads; pending_of_one: of those, from one address.
+    seats: tabs at a time; seats_of_one: of those, from one address.
 
     Times in s. head_within: from the connection to its answer; page_within: from a handshake to the first view;
     pong_within: for a ping to be sent and answered; closed_within: for a closing handshake.
@@ -108,42 +111,28 @@ class Limits:
 
     seats: int = 40
     seats_of_one: int = 36
-    pending: int = 200
-    pending_of_one: int = 180
     head_within: float = 10.0
     page_within: float = 30.0
     ping_every: float = 15.0
     pong_within: float = 15.0
     closed_within: float = 2.0
 
-
-PENDING = 200  # connections without a seat, such as page loads
-PAGE_CONNECTIONS = 12  # that a browser or two open at once
+    @property
+    def pending_of_one(self) -> int:
+        """How many of the pending connections one address has: the same share as of seats, and at least one page's."""
+        return min(PENDING, max(PAGE_CONNECTIONS, PENDING * self.seats_of_one // self.seats))
 
 
 @dataclass(frozen=True)
 class ServerOptions:
     """The options of a server.
 
-    settings: of each new session; max_clients: tabs at a time; origins: of pages elsewhere that may connect;
-    max_per_address: tabs of one address at a time, None: as many as there are; lessons: of a lecturer's own, by name,
+    settings: of each new session; origins: of pages elsewhere that may connect; lessons: of a lecturer's own, by name,
     before those that are shipped; host: on which it listens.
     """
 
     settings: Settings = Settings.paper()
-    max_clients: int = 40
+    limits: Limits = Limits()
     origins: tuple[str, ...] = ()
-    max_per_address: int | None = None
     lessons: Mapping[str, Lesson] = field(default_factory=dict)
     host: str = "127.0.0.1"
-
-    @property
-    def seats_of_one(self) -> int:
-        """How many of the tabs one address has at most."""
-        return self.max_per_address or self.max_clients
-
-    @property
-    def limits(self) -> Limits:
-        """Its limits. One address has the same share of pending connections as of seats, and at least one page's."""
-        pending_of_one = min(PENDING, max(PAGE_CONNECTIONS, PENDING * self.seats_of_one // self.max_clients))
-        return Limits(self.max_clients, self.seats_of_one, PENDING, pending_of_one)

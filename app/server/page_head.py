@@ -18,6 +18,7 @@ from websockets.http11 import Response
 from viewimit.drawing.theme import ROLES
 
 from ..static import PAGE_JS
+from .web import content_policy
 
 TITLE = "viewimit"
 _BLUE, _ORANGE, _ARROW = (ROLES[role][0] for role in ("learner", "demonstrator", "residual"))
@@ -50,24 +51,11 @@ PAGE = Path(viser.__file__).parent / "client" / "build" / "index.html"
 _SCRIPTS = re.compile(rb"<script[^>]*>(.*?)</script>", re.DOTALL)
 
 
-def content_policy(host: str) -> str:
-    """host: as the request names it. The page may talk to that one alone."""
-    itself = f" ws://{host} wss://{host}" if re.fullmatch(r"[\w.:\[\]-]+", host) else ""
+def page_policy(host: str) -> str:
+    """Return the content policy of the page. host: as the request names it."""
     scripts = " ".join(f"'sha256-{digest}'" for digest in script_hashes())
-    return "; ".join(
-        (
-            "default-src 'none'",
-            f"script-src {scripts} 'strict-dynamic' 'unsafe-eval'",  # viser's loader makes one, which evaluates
-            "worker-src blob:",
-            "style-src 'unsafe-inline'",
-            "img-src 'self' data: blob:",
-            "font-src data:",
-            f"connect-src 'self' data: blob:{itself}",
-            "base-uri 'none'",
-            "form-action 'none'",
-            "frame-ancestors 'self'",
-        )
-    )
+    # viser's loader makes a script, which evaluates
+    return content_policy(host, f"{scripts} 'strict-dynamic' 'unsafe-eval'", "worker-src blob:")
 
 
 @cache

@@ -156,7 +156,7 @@ class App:
         if page is None:
             return
         self._scheduler.remove(page)
-        self.services.forget(client_id)
+        self.services.forget(page.queue)
         page.model.following.let_go()
         await asyncio.to_thread(page.close)
 

@@ -8,7 +8,6 @@ import signal
 import sys
 import threading
 import webbrowser
-from dataclasses import replace
 from queue import Empty, SimpleQueue
 
 from viewimit.loop.session import Session
@@ -18,22 +17,18 @@ from .address import address, invite, is_loopback, require_free
 from .limits import ServerOptions
 from .pages import serving
 
-__all__ = ["ServerOptions", "serve", "usual_per_address"]
-
 LOG_FORMAT = "%(asctime)s %(message)s"
 STOPS_WITHIN = 9.0  # s, and then it is ended
 HANGS_AFTER = 20  # s without a round of the scheduler: whatever started the server starts it again
 log = logging.getLogger(__name__)
 
 
-def serve(
-    host: str = "127.0.0.1", port: int = 8080, options: ServerOptions | None = None, open_browser: bool = False
-) -> None:
+def serve(options: ServerOptions, port: int = 8080, open_browser: bool = False) -> None:
     """Serve the page until SIGINT, SIGTERM, or until its terminal is closed. port 0 takes a free one.
 
     Raises ValueError for settings that cannot be, PortInUse for a port that is taken.
     """
-    options = replace(options or ServerOptions(), host=host)
+    host = options.host
     Session(options.settings)  # bad settings must fail here, not in every visitor's tab
     require_free(host, port)
     logging.basicConfig(format=LOG_FORMAT)

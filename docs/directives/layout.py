@@ -11,7 +11,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 ROOT = Path(__file__).parents[2]
-PARTS = ("viewimit", "app")
+PARTS = ("viewimit", "app", "studies")
 SENTENCE = re.compile(r"(?<!Figs)(?<!Fig)(?<!Eqs)(?<!Eq)(?<!Sec)\.\s+(?=[A-Z])")  # where one ends
 OPENING = re.compile(r"\s*/\*\*(.*?)\*/", re.DOTALL)  # the comment that begins a script
 
@@ -48,7 +48,7 @@ def rows(folder: Path) -> Iterator[str]:
 
 
 class Layout(SphinxDirective):
-    """All folders of the package and of the page."""
+    """All folders of the package, of the page and of the studies."""
 
     def run(self) -> list[nodes.Node]:
         place = nodes.container(classes=["layout"])

@@ -2,6 +2,7 @@
 
 from functools import partial
 
+import baselines
 import msgspec
 import numpy as np
 import pytest
@@ -10,7 +11,6 @@ from viewimit.analysis.landscape import Landscape, grid_axes, landscape, landsca
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.transfers.transfer import conflict
 from viewimit.estimation.views import FourViews
-from viewimit.experiments.bench import baselines
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from tracks import Case, draw
 
 from viewimit.analysis.leave_one_out import leave_one_out
 from viewimit.estimation.outliers import find_outliers
 from viewimit.estimation.rectification import fit_transfer
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.views import FourViews
-from viewimit.experiments.bench.tracks import Case, draw
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 

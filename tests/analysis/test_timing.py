@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from viewimit.analysis.evaluation import evaluate
 from viewimit.analysis.timing import find_time_shift
+from viewimit.estimation.views import FourViews
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -37,6 +39,14 @@ def test_the_shift_of_a_late_camera_is_found(scene, late):
     found = find_time_shift(images(lambda t: late, scene=scene))
     assert found is not None and len(found.parts) == 1
     assert found.parts[0][1] == pytest.approx(late, abs=0.25) and found.shifted_px < 0.4 < found.rms_px
+
+
+def test_time_stamps_and_missing_frames_hide_no_shift():
+    there = [t for t in range(40) if t not in (7, 8, 20)]
+    left, right = np.split(images(lambda t: 2)[there].reshape(-1, 2, 10, 4), 2, -1)
+    views = FourViews.from_arrays(left[:, 0], right[:, 0], left[:, 1], right[:, 1])
+    found = evaluate(views, frames=[10**18 + 33_333_333 * t + 1000 * (t % 3) for t in there]).time_shift
+    assert found is not None and found.parts[0] == (0, pytest.approx(2, abs=0.25))
 
 
 @pytest.mark.parametrize("path, noise, seed", [(swinging, 0.0, 0), (swinging, 0.5, 1), (still, 0.5, 0)])

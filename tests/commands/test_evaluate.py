@@ -5,10 +5,10 @@ import re
 import numpy as np
 import pytest
 from axle_markers import axle_markers
+from tracks import Case, draw
 
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.views import VIEWS, FourViews
-from viewimit.experiments.bench.tracks import Case, draw
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 

@@ -83,6 +83,13 @@ def test_what_it_needs_is_said(ask, tracks, tmp_path):
     few.write_text("theta2\n10\n")
     status, _, error = ask("evaluate", path, "--unmatched", "--postures", few)
     assert status == 2 and "the heading must be frame" in error
-    few.write_text("frame,theta2,theta4\n" + "".join(f"{k},10,10\n" for k in range(6)))
-    status, _, error = ask("evaluate", path, "--unmatched", "--postures", few)
-    assert status == 2 and "6 poses do not show how the joints move points: turn each joint alone" in error
+    for cells, words in (
+        ("{k},10,10\n", "theta2, theta4: the same in all frames"),
+        ("{k},{k},{1}\n", "6 poses do not show how the joints move points: turn each joint alone"),
+    ):
+        few.write_text("frame,theta2,theta4\n" + "".join(cells.format(k, k * k % 5, k=k) for k in range(6)))
+        status, _, error = ask("evaluate", path, "--unmatched", "--postures", few)
+        assert status == 2 and words in error
+    lines = angles.read_text().splitlines()
+    few.write_text("".join(f"{line},{k * k % 7 if k else 'jaw'}\n" for k, line in enumerate(lines)))
+    assert "joint 3 turns no point: leave its column out" in ask("evaluate", path, "--unmatched", "--postures", few)[2]

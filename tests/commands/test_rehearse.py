@@ -19,7 +19,7 @@ def body(tmp_path, ask):
 def test_imitate_makes_few_motions_of_its_own_and_tells_how_many_were_rehearsed(ask, ask_json, body):
     run = "imitate", "--demonstrator", "45,-90", "--start", "80,-20"
     status, told = ask_json(*run, "--calibration", body)
-    assert status == 0 and told["converged"] and told["error_deg"] < 0.5
+    assert status == 0 and told["converged"] and told["error_deg"] < 0.5 and told["std_error_deg"] is not None
     assert told["rehearsed"] == 12 and told["rehearsal_holds"] is True
     assert told["motions"] == len(told["history"]) - 1 <= 6 and told["options"]["calibration"] == str(body)
     alone = ask_json(*run)[1]

@@ -11,7 +11,7 @@ from waiting import wait_until
 
 from viewimit.experiments import executors
 from viewimit.experiments.bench import engine
-from viewimit.experiments.bench.cases import COMPARE
+from viewimit.experiments.bench.cases import ROBUSTNESS
 from viewimit.experiments.executors import Study, StudyError, StudyFile
 
 WHAT = {"command": "bench", "seed": 3}
@@ -19,8 +19,8 @@ METHODS = [("projective", "broyden"), ("projective", "kalman")]
 
 
 def runs(study, progress=lambda share: None, count=6):
-    made = engine.run_cases(COMPARE, COMPARE.cases[:1], study, methods=METHODS, runs=count, seed=2, max_motions=30,
-                            progress=progress)  # fmt: skip
+    how = {"methods": METHODS, "runs": count, "seed": 2, "max_motions": 30, "progress": progress}
+    made = engine.run_cases(ROBUSTNESS, ROBUSTNESS.cases[:1], study, **how)
     return repr([engine.replace(run, cpu_s=0.0) for run in made])  # every digit, and NaN as NaN
 
 

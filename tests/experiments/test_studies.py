@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from viewimit.experiments.bench import GROUPS, Case, Draw, engine, report
-from viewimit.experiments.bench.cases import CALIBRATION, COMPARE, MISFITS, SUCCESS, posed
+from viewimit.experiments.bench import GROUPS, Case, engine, report
+from viewimit.experiments.bench.cases import CALIBRATION, MISFITS, SUCCESS, posed
 from viewimit.experiments.bench.engine import Run, chosen, run_cases, run_one, summarise
 from viewimit.experiments.executors import Study
-from viewimit.servo import SERVOS, ServoStatus
+from viewimit.servo import ServoStatus
 
 DOCS = Path(__file__).parents[2] / "docs"
 FEW = {  # of each group: a case that takes little, and the servo that suits it
@@ -20,7 +20,6 @@ FEW = {  # of each group: a case that takes little, and the servo that suits it
     "tracking": ("0.5° a step", "likelihood"),
     "scenes": ("any head, rectified", "likelihood"),
     "calibration": ("16 points on rigid groups of links", "likelihood"),
-    "compare": ("default scene", "broyden"),
     "pictures": ("projected", "gauss-newton"),
     "unmatched": ("one extra", "likelihood"),
     "misfits": ("mirrored", "likelihood"),
@@ -76,46 +75,6 @@ def test_shares_errors_and_differences_are_counted():
         summarise([*first, *other[:3]], {})
 
 
-@pytest.mark.parametrize("case", COMPARE.cases, ids=lambda case: case.name)
-def test_every_law_begins_with_the_same_bodies_images_and_noise(case):
-    opened = []
-    for servo in [*SERVOS, "generative", "oracle-ibvs"]:
-        law = engine.law_of(servo, [3, 1], 5, True)
-        settings = COMPARE.settings if law else replace_servo(COMPARE.settings, servo)
-        opened.append(case.open(Draw(settings, 1, 3, case.generator(3, 1), law)).snapshot)
-    for moment in opened[1:]:
-        assert replace_servo(moment.settings) == replace_servo(opened[0].settings)
-        for name in ("own", "demo", "visible"):
-            np.testing.assert_array_equal(getattr(moment.views, name), getattr(opened[0].views, name))
-    assert opened[0].views.visible.all() == ("hidden" not in case.name)
-
-
-def replace_servo(settings, servo="broyden"):
-    return engine.msgspec.structs.replace(settings, servo=servo)
-
-
-@pytest.mark.parametrize("servo, draw", [("broyden", 55), ("kalman", 107), ("gauss-newton", 64)])
-def test_a_law_that_rests_far_off_comes_near_when_it_begins_again(servo, draw):
-    settings = engine.msgspec.structs.replace(COMPARE.settings, transfer="projective")
-    once, again = (
-        engine.run_once(COMPARE.cases[0], settings, servo, 0, draw, 200, 0, restarts) for restarts in (False, True)
-    )
-    assert once.error_deg > 10 and once.motions < again.motions
-    assert again.error_deg < 0.5 and again.status == "settled"
-
-
-def test_runs_of_the_documentation_are_repeated_and_its_table_is_that_of_its_runs():
-    kept = report.read_runs(DOCS / "comparison.csv")
-    assert f"```text\n{report.lay_out(summarise(kept, {}))}\n```" in (DOCS / "comparison.md").read_text("utf-8")
-    assert {run.case for run in kept} == {case.name for case in COMPARE.cases}
-    settings = engine.msgspec.structs.replace(COMPARE.settings, transfer="projective")
-    for servo in ("broyden", "gauss-newton", "generative", "oracle-ibvs", "oracle-pbvs-1deg"):
-        run = next(run for run in kept if run.servo == servo and run.case == COMPARE.cases[0].name)
-        again = engine.run_once(COMPARE.cases[0], settings, servo, 0, run.number, 200, 0, True)
-        assert (again.motions, again.status) == (run.motions, run.status)
-        assert again.error_deg == pytest.approx(run.error_deg, rel=1e-3, abs=1e-3)
-
-
 def test_runs_are_read_as_they_were_written_and_what_is_no_run_is_named(tmp_path):
     runs = [run_of(0.25, 0.5), run_of(3.0, number=1, bound_deg=np.inf), run_of(0.125, servo="kalman", own_deg=2.0)]
     file = tmp_path / "runs.csv"
@@ -132,30 +91,10 @@ def test_runs_are_read_as_they_were_written_and_what_is_no_run_is_named(tmp_path
             report.read_runs(file)
 
 
-def test_the_command_writes_runs_and_judges_them_again(ask, ask_json, tmp_path):
-    page, runs = tmp_path / "comparison.md", tmp_path / "comparison.csv"
-    page.write_text("before\n<!-- begin of the table -->\nold\n<!-- end of the table -->\nafter\n")
-    words = (
-        "bench",
-        "compare",
-        "--servo",
-        "broyden",
-        "--runs",
-        2,
-        "--max-motions",
-        4,
-        "--case",
-        "seven",
-        "--docs",
-        tmp_path,
-    )
-    shown = ask(*words, "--jobs", 1)[1].partition("\n")[2]
-    assert page.read_text().startswith("before\n") and shown.strip() in page.read_text()
-    first, (_, again) = page.read_text(), ask_json("bench", "compare", runs, "--docs", tmp_path)
-    assert page.read_text() == first and [row["servo"] for row in again["compare"]] == ["gradient", "broyden"]
-    page.write_text("no marks")
-    status, _, err = ask("bench", "compare", runs, "--docs", tmp_path)
-    assert status == 2 and "--docs: " in err and "lacks the marks <!-- begin" in err
+def test_the_command_writes_runs_and_judges_them_again(ask, tmp_path):
+    words = "bench", "robustness", "--servo", "broyden,kalman", "--runs", 2, "--max-motions", 4, "--case", "gain"
+    shown = ask(*words, "--jobs", 1, "--csv", tmp_path / "runs.csv")[1].partition("\n")[2]
+    assert ask("bench", "robustness", tmp_path / "runs.csv")[1].partition("\n")[2] == shown and "kalman" in shown
 
 
 OWN = """
@@ -168,25 +107,16 @@ class Still:
 """
 
 
-def test_a_servo_of_ones_own_is_measured_by_every_group(ask, ask_json, tmp_path, monkeypatch):
+def test_a_servo_of_ones_own_is_measured_by_every_case_in_one_command(ask, ask_json, tmp_path, monkeypatch):
     (tmp_path / "still_servo.py").write_text(OWN)
     monkeypatch.syspath_prepend(tmp_path)
-    for name in ("robustness", "tracking", "misfits", "calibration", "scenes", "success"):
-        words = (
-            "bench",
-            name,
-            "--servo",
-            "still_servo:Still",
-            "--transfer",
-            "projective",
-            "--runs",
-            1,
-            "--case",
-            GROUPS[name].cases[0].name,
-        )
-        status, told = ask_json(*words, "--jobs", 1)
-        (row,) = told[name]
-        assert status == 0 and row["servo"] == "still_servo:Still" and row["motions_most"] == 0
+    words = "bench", "all", "--servo", "still_servo:Still", "--runs", 1, "--jobs", 1, "--case"
+    status, told = ask_json(*words, "±5%")
+    rows = [(row["case"], row["servo"], row["motions_most"]) for row in told["misfits"]]
+    assert status == 0 and rows == [(case.name, "still_servo:Still", 0) for case in GROUPS["misfits"].cases
+                                    if "±5%" in case.name]  # fmt: skip
+    status, out, _ = ask(*words, "extra")
+    assert status == 0 and "one extra: still_servo:Still needs points with names" in out and "1 settled" in out
     status, _, err = ask("bench", "success", "--servo", "nobody:Still")
     assert status == 2 and "No module named 'nobody'" in err
 

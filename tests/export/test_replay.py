@@ -9,12 +9,12 @@ import msgspec
 import numpy as np
 import pytest
 from PIL import Image
+from viewimit.app.lab.recording import MAP_DEG, PX, RAD, SHARE
 from waiting import wait_until
 
 import viewimit
 from viewimit.drawing.export.citation import cite
 from viewimit.drawing.export.panels import compute_landscape, make_landscape
-from viewimit.drawing.export.recording import MAP_DEG, PX, RAD, SHARE
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 

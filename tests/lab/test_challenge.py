@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typescript
+from viewimit.app.lab.engine_scene import engine_scene
 from viewimit.app.lab.page import lab_page
 from waiting import wait_until
 
 from viewimit import Session, Settings, load_scene
-from viewimit.drawing.export.engine_scene import engine_scene
 
 HERE = Path(__file__).parent
 LAB = HERE.parent.parent / "app" / "lab"

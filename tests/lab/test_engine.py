@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typescript
+from viewimit.app.lab.engine_scene import engine_scene
 
 from viewimit import TRANSFERS, Session, Settings, World, load_scene
 from viewimit.analysis.landscape import grid_axes, landscape_over
-from viewimit.drawing.export.engine_scene import engine_scene
 from viewimit.geometry.affine import MIN_POINTS, fit_affine_fundamental
 
 HERE = Path(__file__).parent

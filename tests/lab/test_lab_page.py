@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from browsing import sparing
 from msgspec.structs import replace
+from viewimit.app.lab.methods import lab_methods
 from viewimit.app.lab.page import lab_address, lab_lacks, lab_page
 from viewimit.app.model.link import read_link
 from viewimit.app.presets import LAB_PRESETS, PRESETS
 from waiting import wait_until
 
 from viewimit import Session, Settings
-from viewimit.drawing.export.lab_methods import lab_methods
 
 MB = 1_000_000
 ARM = """<robot name="r"><link name="base"/>

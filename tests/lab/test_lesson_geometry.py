@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typescript
+from viewimit.app.lab.engine_scene import engine_scene
 
 from viewimit import Session, Settings, World, fit_affine_fundamental, load_scene
-from viewimit.drawing.export.engine_scene import engine_scene
 from viewimit.servo.image_jacobian import BroydenModel
 from viewimit.servo.observation import Observation
 

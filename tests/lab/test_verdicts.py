@@ -12,13 +12,13 @@ from viewimit.app.lab.lessons.page import lesson_page
 from viewimit.app.lab.lessons.records import MAX_MOTIONS
 from viewimit.app.lab.lessons.sign import signed_runs
 from viewimit.app.lab.lessons.source import shipped
+from viewimit.app.lab.methods import lab_methods
 from viewimit.app.lab.page import lab_page
+from viewimit.app.lab.recording import record
 from viewimit.app.presets import LAB_PRESETS
 
 from viewimit import Session
 from viewimit.commands import imitate
-from viewimit.drawing.export.lab_methods import lab_methods
-from viewimit.drawing.export.recording import record
 from viewimit.drawing.status import DOTS, SHAPES, describe
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.servo import SERVOS, ServoStatus, verdict, verdicts

@@ -8,7 +8,7 @@ from viewimit.app.commands import COMMANDS
 from viewimit.app.jobs.experiments import Run
 from viewimit.app.model.choices import AS_STARTED, OF_ARMS, OF_IMAGES, PRESETS, joint_choices, presets_from
 from viewimit.app.model.keeping import tab_link
-from viewimit.app.model.queue import PENDING_LIMIT, CommandQueue
+from viewimit.app.model.queue import PENDING_LIMIT, Command, CommandQueue
 
 from viewimit.experiments import EXPERIMENTS
 from viewimit.loop.settings import Settings
@@ -99,16 +99,18 @@ def test_a_resting_loop_wakes_when_the_demonstrator_moves(page):
 
 
 def test_the_queue_keeps_the_newest_value_and_every_action_up_to_a_limit():
-    queue = CommandQueue(COMMANDS)
+    done = []
+    pose = Command("pose", lambda model, k, value: done.append((k, value)), (int, int), latest=True)
+    queue = CommandQueue({"pose": pose, "step": Command("step", lambda model: done.append("step"))})
     for value in range(1000):
-        queue.call("pose_joint", 0, value)
+        queue.call("pose", 0, value)
         queue.call("step")
-    queue.call("pose_joint", 1, -3)
-    taken = queue.take()
-    names = [one.command.name for one in taken]
-    values = dict(one.arguments for one in taken if one.command.name == "pose_joint")
-    assert values == {0: 999, 1: -3} and names[0] == "pose_joint" and len(taken) <= PENDING_LIMIT + 1
-    assert 1 <= names.count("step") <= PENDING_LIMIT
+    queue.call("pose", 1, -3)
+    for entry in queue.take():
+        entry.apply(None, 0.0)
+    values = dict(one for one in done if one != "step")
+    assert values == {0: 999, 1: -3} and done[0] == (0, 0) and len(done) <= PENDING_LIMIT + 1
+    assert 1 <= done.count("step") <= PENDING_LIMIT
     assert queue.take() == []
 
 

@@ -5,7 +5,6 @@ import re
 import numpy as np
 import pytest
 from viewimit.app.model.computed import OwnLandscape
-from viewimit.app.model.queue import Beside, CommandQueue
 
 from viewimit.drawing.export.panels import make_landscape
 from viewimit.loop.session import Session
@@ -18,7 +17,7 @@ class Asked:
     def __init__(self):
         self.makes = []
 
-    def ask(self, page_id, make, done, kind="landscape"):
+    def ask(self, kind, make, take):
         self.makes.append(make)
 
 
@@ -34,7 +33,7 @@ def worker():
 
 @pytest.fixture
 def own(worker):
-    return OwnLandscape(Beside(1, worker, CommandQueue({})))
+    return OwnLandscape(worker.ask)
 
 
 def test_it_is_coarse_first_and_as_fine_as_ever_in_the_end(own, worker, session):

@@ -18,13 +18,13 @@ class Worker:
     def __init__(self):
         self.asked = []
 
-    def ask(self, page_id, make, done, kind="landscape"):
+    def ask(self, page, kind, make, take, moves=False):
         if kind == "point":
-            self.asked.append((make, done))
+            self.asked.append((page, make, take))
 
     def work(self):
-        for make, done in self.asked:
-            done(make())
+        for page, make, take in self.asked:
+            page.put_made("point", take, make())
         self.asked = []
 
 

@@ -144,7 +144,7 @@ class TestMotions:
             (b'{"format": "viewimit motion 1"}', "missing required field"),
             (encode_motion(others), "it moves joints 1, 2"),
             (encode_motion(msgspec.structs.replace(kept, step_s=0.0)), "step_s must be"),
-            (MOST_BYTES + 1, "at most 2 MB"),
+            (MOST_BYTES + 1, "at most 1 MB"),
         ):
             with pytest.raises(ValueError, match=words):
                 desk.motions.load(data)

@@ -130,12 +130,12 @@ ACTIONS = {
 class AtOnce:
     """Makes what is asked of it before it returns."""
 
-    def ask(self, page_id, make, done, kind="landscape"):
+    def ask(self, page, kind, make, take, moves=False):
         try:
             made = make()
         except ValueError as error:
             made = error
-        done(made)
+        page.put_made(kind, take, made, moves=moves)
 
 
 @pytest.fixture

@@ -75,10 +75,10 @@ def check(tracked, hidden=True):
 
 FLAGS = [
     ("occluded", "1", "0"), ("Is_Occluded", "True", "False"), ("hidden", "yes", "no"), ("not visible", "t", "f"),
-    ("occlusion", "1.0", "0"), ("keypoint_missing", "Y", "N"), ("outlier", "1", ""), ("outside", "1", "0"),
-    ("visible", "False", "True"), ("isVisible", "0", "1"), ("visibility", "occluded", "visible"), ("vis", "no", "yes"),
-    ("bodyparts_visible", "f", "t"), ("visibility", "1", "2"), ("visible", "0", "2"), ("detected", "0", "1"),
-    ("confidence", "0.1", "0.97"), ("Score", "false", "true"), ("pred_likelihood", "0", "1.02"), ("conf", "0", "1"),
+    ("out of frame", "1.0", "0"), ("keypoint_missing", "Y", "N"), ("outlier", "1", ""), ("outside", "1", "0"),
+    ("visible", "False", "True"), ("isTracked", "0", "1"), ("visibility", "occluded", "visible"),
+    ("in_view", "out", "in"), ("unoccluded", "f", "t"), ("visibility", "1", "2"), ("detected", "0", "1"),
+    ("confidence", "0.1", "0.97"), ("Score", "false", "true"), ("pred_likelihood", "0", "1.02"), ("visible", "0", "2"),
 ]  # fmt: skip
 
 
@@ -122,7 +122,9 @@ def test_tables_in_hdf5_say_the_same(tmp_path, kind):
     assert tracked.notes == ("not read: array notes",)
 
 
-@pytest.mark.parametrize("name, cell", [("score", "97"), ("visibility", "3"), ("occluded", "2"), ("visible", "maybe")])
+@pytest.mark.parametrize(
+    "name, cell", [("conf. [%]", "97"), ("visibility", "3"), ("occluded", "2"), ("visible", "maybe")]
+)
 def test_other_values_are_refused_with_their_place(tmp_path, name, cell):
     for read in (plain, tidy):
         with pytest.raises(
@@ -189,7 +191,7 @@ def test_what_numbers_no_frame_is_refused(tmp_path, frame):
 @pytest.mark.parametrize(
     "first, heading",
     [
-        (["# tracked by script v2"], "frame,point,x,y"), (["# a, b", "#", "", "# c"], "frame,point,x,y"),
+        (["# tracked by script v2"], "frame,point,x,y"), (["# a, b", "%", "", "// c"], "frame,point,x,y"),
         ([], "# frame,point,x,y"), (["# by me"], "#frame,point,x,y"), (["\ufeff# by me"], "frame,point,x,y"),
     ],
 )  # fmt: skip
@@ -200,14 +202,14 @@ def test_comments_are_skipped_and_a_heading_may_be_one(tmp_path, first, heading)
 @pytest.mark.parametrize(
     "low, high, refused",
     [
-        (-0.05, 1.04, True), (-1.0, 1.0, True), (-1.1, 0.9, True), (500.0, 501.2, True), (-250.0, 250.0, False),
-        (100.0, 140.0, False),
+        (-0.05, 1.04, True), (-1.0, 1.0, True), (-1.1, 0.9, True), (500.0, 501.2, True), ((0, 0), (1, 480), True),
+        (-250.0, 250.0, False), (100.0, 140.0, False), ((320, 0), (323, 480), False),
     ],
 )  # fmt: skip
 def test_pixels_are_judged_by_the_extent_of_the_body(tmp_path, low, high, refused):
     paths = {}
     for k, view in enumerate(VIEWS):
-        image = low + (high - low) * (IMAGE[k] - 20) / 580
+        image = np.array(low) + np.subtract(high, low) * (IMAGE[k] - 20) / 580
         image[1, 2] = 900  # one stray
         paths[view] = tmp_path / f"{k}.npz"
         np.savez(paths[view], pred_tracks=image, names=NAMES)
@@ -230,7 +232,7 @@ def in_views(folder, names):
 
 def test_spellings_of_one_name_are_one_point_unless_a_view_has_both(tmp_path):
     usual = ["left wrist", "elbow1", "tip", "3", "p1_2", "base"]
-    other = ["Left_Wrist ", "elbow_1", "TIP", "3.0", "p1-2", " base"]
+    other = ["Left.Wrist\u200b ", "elbow_1", "TIP", "3.0", "p1-2", " base"]
     tracked = in_views(tmp_path, [usual, usual, usual, other])
     assert tracked.points == tuple(usual) and tracked.views().usable.all()
     assert not tracked.unmatched_names() and "elbow_1 = elbow1" in tracked.notes[0]
@@ -251,9 +253,17 @@ def test_of_several_columns_for_the_frame_the_number_counts(tmp_path):
     assert tracked.notes == ("not read: columns file_name, timestamp, joint, instance_score",)
 
 
+def test_the_level_of_the_scorer_may_be_missing(tmp_path):
+    deeplabcut(tmp_path)
+    paths = {view: tmp_path / f"{VIEW_NAMES[view]}.csv" for view in VIEWS}
+    for path in paths.values():
+        path.write_text(path.read_text().partition("\n")[2])
+    check(read_files(paths), hidden=False)
+
+
 def test_comments_among_the_rows_are_counted_and_names_may_begin_with_a_sign(tmp_path):
     path = tmp_path / "a.csv"
-    path.write_text("frame,point,x,y\n0,a,1,2\n#0,b,3,4\n# done\n0,c,5,6\n")
+    path.write_text("frame,point,x,y\n0,a,1,2\n#0,b,3,4\n% done\n0,c,5,6\n")
     track = read_view(path)
     assert track.points == ("a", "c") and "2 lines" in track.unread
     path.write_text("point,x,y\n#1,1,2\n#2,3,4\n")

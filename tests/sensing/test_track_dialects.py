@@ -66,7 +66,7 @@ def test_data_in_other_files_is_not_read(tmp_path, kind):
         read_view(path)
 
 
-@pytest.mark.parametrize("widest, says", [(99, "percent"), (250, "TAPIR"), (620, None), (-30, None)])
+@pytest.mark.parametrize("widest, says", [(99, "percent"), (250, "TAPIR"), (620, None), (-30, "percent")])
 def test_coordinates_that_may_be_no_pixels_are_named(tmp_path, widest, says):
     rows = [
         f"0,{VIEW_NAMES[view]},{k},{abs(widest) * (k + 1) / 6},{widest * (6 - k) / 6}"

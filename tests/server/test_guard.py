@@ -17,7 +17,7 @@ from viewimit.app.server import messages as message_schema
 from viewimit.app.server.address import is_own_page
 from viewimit.app.server.connection import FRAMES_AT_ONCE, MOST_MESSAGE
 from viewimit.app.server.messages import MOST_BUT_PARTS, MOST_BYTES, PART, Refused, Uploads
-from viewimit.app.server.page_head import content_policy
+from viewimit.app.server.page_head import page_policy
 from waiting import wait_until
 from websockets.exceptions import InvalidStatus
 
@@ -358,7 +358,7 @@ def test_the_page_says_where_it_may_connect_to(guarded):
 
 
 def test_a_host_cannot_write_into_the_policy():
-    assert "evil" not in content_policy("a; script-src evil")
+    assert "evil" not in page_policy("a; script-src evil")
 
 
 def is_heard(browser, url: str, parameter: str, bypass_csp: bool) -> bool:

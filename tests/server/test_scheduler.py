@@ -4,7 +4,7 @@ import contextlib
 import threading
 
 import pytest
-from viewimit.app.jobs.threads import Worker
+from viewimit.app.model.queue import CommandQueue, Worker
 from viewimit.app.server import scheduler as scheduler_module
 from viewimit.app.server.scheduler import PATIENCE, TICK, Scheduler
 from waiting import stays, wait_until
@@ -47,10 +47,10 @@ def test_a_failing_page_is_told_and_the_others_go_on(caplog, event_loop):
 
 
 def test_a_failing_landscape_does_not_end_the_worker(capsys):
-    worker, made = Worker(), []
-    worker.ask(0, lambda: 1 / 0, made.append)
-    worker.ask(1, lambda: "next", made.append)
-    wait_until(lambda: len(made) == 2)
+    worker, queue, made = Worker(), CommandQueue({}), []
+    worker.ask(queue, "one", lambda: 1 / 0, made.append)
+    worker.ask(queue, "two", lambda: "next", made.append)
+    wait_until(lambda: not [entry.apply(None, 0.0) for entry in queue.take()] and len(made) == 2)
     assert isinstance(made[0], ZeroDivisionError) and made[1] == "next"  # its page gets the fault, to say it
     assert "ZeroDivisionError" in capsys.readouterr().err
 

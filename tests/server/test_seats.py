@@ -8,7 +8,7 @@ import pytest
 import viser
 from protocol import VIEW, Client
 from serving import Here, Server
-from viewimit.app.server import connection
+from viewimit.app.server import web
 from viewimit.app.server.limits import PENDING, Limits, PendingConnections, network_of
 from waiting import stays, wait_until
 from websockets.exceptions import InvalidStatus
@@ -73,7 +73,7 @@ def test_seats_of_clients_that_send_nothing_and_read_nothing_are_free_again(here
 
 @pytest.mark.skipif(not hasattr(socket, "TCP_USER_TIMEOUT"), reason="the system has no such limit")
 def test_a_tab_that_stops_reading_is_left_and_a_slow_one_is_not(here, monkeypatch):
-    monkeypatch.setattr(connection, "TAKES_WITHIN", 2000)
+    monkeypatch.setattr(web, "TAKES_WITHIN", 2000)
     server = here(Limits(ping_every=60))
     with deaf(server.url) as asleep, deaf(server.url, 1 << 16) as slow:
         for client in (asleep, slow):

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from baselines import own_image
 
-from viewimit.experiments.bench.baselines import own_image
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World, hand_jacobian, hand_position, pose_for_hand
 

@@ -22,6 +22,7 @@ from .timing import TimeShift, find_time_shift
 PAIRS = tuple(pair for pair in combinations(VIEWS, 2) if pair != ("l", "r"))  # Eq. (4); no constraint is of (l, r)
 TOO_FEW = f"no {MIN_POINTS} points are seen in all four views"
 TOGETHER = 2000  # frames at a time, for memory's sake
+MAX_GAPS = 3  # frames of equal distance for each that is there
 MIN_SPREAD = 6.0  # of σ₁/σ₄: noise alone gives 5 at most in 95 % of frames, arms give 24 and more at 1 px
 
 
@@ -215,13 +216,20 @@ def _usual_count(views: FourViews) -> int:
 
 
 def _time_shift(numbers: Sequence[int], views: FourViews) -> TimeShift | None:
-    """Of both bodies together, as one head sees both, or else of one that moves."""
-    steps = np.diff(numbers)
-    if len(steps) == 0 or (steps != steps[0]).any():
+    """Of both bodies together, as one head sees both, or else of one that moves. numbers: or time stamps."""
+    steps = np.array([float(after - before) for before, after in zip(numbers, numbers[1:])])
+    if not (len(steps) and (steps > 0).all()):
         return None
-    seen = [views.demo, views.own]
-    tried = (np.concatenate(seen, 1), *seen)  # NaN, where a point is not seen
-    return next(filter(None, map(find_time_shift, tried)), None)
+    at = np.append(0, np.cumsum(np.round(steps / np.median(steps)).clip(1))).astype(int)  # in frames of equal distance
+    if at[-1] > MAX_GAPS * len(at):
+        return None
+    seen = [np.full((at[-1] + 1, *each.shape[1:]), np.nan) for each in (views.demo, views.own)]
+    for each, given in zip(seen, (views.demo, views.own)):
+        each[at] = given  # NaN, where a point is not seen
+    shift = next(filter(None, map(find_time_shift, (np.concatenate(seen, 1), *seen))), None)
+    if shift is None:
+        return None
+    return replace(shift, parts=tuple((int(np.searchsorted(at, first)), late) for first, late in shift.parts))
 
 
 def _frames(views: FourViews, which: NDArray | int) -> FourViews:

@@ -16,8 +16,9 @@ def outcome(session: Session, ended: RunResult) -> dict:
     `converged`, `std_error_deg` and `observable` are the learner's own claims; `error_deg`, of the worst joint, is the
     truth. `travel_deg` sums the joint that moved most in each motion, or one joint's motions.
     """
-    last, known = session.snapshot, assess(session)
-    std_error = None if known is None else known.certificate.std_error
+    last = session.snapshot
+    found = assess(session) if last.certificate is None else None
+    known = last.certificate if found is None else found.certificate
     rehearsed: dict = {} if last.settings.matched else {"naming": naming_json(last.naming)}
     if last.calibration is not None:
         rehearsed |= {"rehearsed": len(last.calibration), "rehearsal_holds": last.calibration_holds}
@@ -25,13 +26,13 @@ def outcome(session: Session, ended: RunResult) -> dict:
         "final_deg": np.degrees(last.theta),
         "demonstrator_deg": np.degrees(last.theta_demo),
         "error_deg": np.degrees(np.max(np.abs(last.theta - last.theta_demo))),
-        "std_error_deg": None if known is None else np.degrees(known.certificate.simultaneous_std_error),
+        "std_error_deg": None if known is None else np.degrees(known.simultaneous_std_error),
         "joints": [
             {
                 "name": f"theta{joint}",
                 "deg": np.degrees(last.theta[k]),
-                "std_error_deg": None if std_error is None else np.degrees(std_error[k]),
-                "observable": None if known is None else bool(known.certificate.observable[k]),
+                "std_error_deg": None if known is None else np.degrees(known.std_error[k]),
+                "observable": None if known is None else bool(known.observable[k]),
                 "travel_deg": ended.joint_travel_deg[k],
             }
             for k, joint in enumerate(session.scene.moving_joints)

@@ -62,7 +62,7 @@ def assess(session: Session) -> Assessment | None:
     body = learn(_visits([session.history[k] for k in kept], unit_px), seen.noise_px, seen.rectification)
     if body is None:
         return None
-    here = body.seen.displacement[-1]
+    here = body.here
     low, high = np.maximum(seen.lower, here - SEARCH_RADIUS_RAD), np.minimum(seen.upper, here + SEARCH_RADIUS_RAD)
     found = minimise(lambda theta: residuals(body.kinematics.predict(theta)), here[None], low, high)
     if not np.isfinite(found.E):

@@ -120,6 +120,11 @@ def learn_tracked_body(
     if kinematics is None:
         wanted = "turn each joint alone between two of them, by 10° to 30°, and show more poses"
         wanted += "; if these are radians, write degrees" if in_radians else ""
+        without = lambda k: replace(seen, displacement=np.delete(seen.displacement, k, 1))
+        m = seen.displacement.shape[1]
+        joints = range(m) if of_table and m > 1 else ()
+        idle = next((k for k in joints if fit_kinematics(without(k), noise, rectified)), None)
+        wanted = wanted if idle is None else f"joint {idle + 1} turns no point: leave its column out"
         raise ValueError(f"{len(seen.displacement)} poses do not show how the joints move points: {wanted}")
     gains = _gains(kinematics, seen, noise) if of_table else None
     return TrackedBody(points, seen, kinematics, shortfall, noise, unit_px, *limits, gains)
@@ -255,12 +260,19 @@ def observed_in_postures(path: Path, frames: Sequence[int], views: FourViews, ow
             continue
         cells = table.filled(line, cells, len(heading))
         values = [table.number(line, name, text, np.nan) for name, text in zip(heading[1:], cells[1:])]
-        angles[table.whole(line, "frame", cells[0])] = values
+        frame = table.whole(line, "frame", cells[0])
+        if angles.setdefault(frame, values) is not values:
+            raise ValueError(f"{path}: line {line}: frame {frame} stands in an earlier line too")
     at = [k for k, frame in enumerate(frames) if np.isfinite(angles.get(frame, [np.nan])).all()]
     if len(at) < MIN_POSTURES:
         raise ValueError(f"{path}: it has the joint angles of {len(at)} frames; needs {MIN_POSTURES} or more")
-    visible = np.asarray(views.visible[at][:, own, 2:].all(-1))
-    return Observations(np.radians([angles[frames[k]] for k in at]), views.own[at][:, own], visible)
+    there = np.radians([angles[frames[k]] for k in at])
+    still = [name for name, span in zip((heading or [])[1:], np.ptp(there, axis=0)) if span == 0]
+    if still:
+        raise ValueError(
+            f"{path}: {', '.join(still)}: the same in all frames: turn each joint, or leave its column out"
+        )
+    return Observations(there, views.own[at][:, own], np.asarray(views.visible[at][:, own, 2:].all(-1)))
 
 
 def observed_in_calibration(calibration: SelfCalibration, n_own: int) -> Observations:

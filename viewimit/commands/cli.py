@@ -147,13 +147,7 @@ TAKE_NUMBERS = ("--demonstrator", "--start", "--undistort", "--lens", "--lens-le
 
 
 def attached(argv: Iterable[str]) -> list[str]:
-    """Write `--start -20,30` as `--start=-20,30`, for argparse takes such a list of angles for an option.
-
-    `bench` without a benchmark means all of them.
-    """
-    argv = list(argv)
-    if argv[:1] == ["bench"]:
-        argv = ["bench", *importlib.import_module(".bench", __package__).with_benchmark(argv[1:])]
+    """Write `--start -20,30` as `--start=-20,30`, for argparse takes such a list of angles for an option."""
     joined: list[str] = []
     for word in argv:
         if joined and joined[-1] in TAKE_NUMBERS and re.match(r"-[\d.]", word):

@@ -137,7 +137,8 @@ def _say(*sentences: str | None) -> None:
 def _told_of(args: argparse.Namespace, tracked: TrackedPoints, removed: dict[str, int]) -> Iterator[str | None]:
     """What was noticed while the files were read."""
     if lost := tracked.n_missing(args.min_confidence):
-        yield f"{lost} point{'s' if lost > 1 else ''} at (0, 0) or (-1, -1): counted as lost by the tracker"
+        at = "at (0, 0), (-1, -1) or the like"
+        yield f"{lost} point{'s' if lost > 1 else ''} {at}: counted as lost by the tracker"
     yield from tracked.notes
     yield from tracked.unmatched_names(tuple(BODIES.values()) if args.unmatched else (VIEWS,))
     yield tracked.doubtful_units()

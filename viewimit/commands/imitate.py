@@ -144,7 +144,7 @@ def _report(result: dict, label: str) -> None:
 def _write(path: Path, session: Session) -> str:
     """Write by extension; return a page's size in words. Raises OSError."""
     if path.suffix.lower() in PAGES:
-        from ..drawing.export.replay import replay  # it loads the drawing code
+        from ..app.lab.replay import replay  # it loads the drawing code
 
         return f", {replay(session).save(path) / 1e6:.2f} MB"
     _write_table(path, session.history)

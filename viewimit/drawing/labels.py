@@ -141,13 +141,6 @@ def line_rectangles(points: NDArray[np.float64], radius: float) -> list[Rectangl
     return _around(_along(points.tolist()), radius)
 
 
-def overlap(one: Rectangle, other: Rectangle) -> bool:
-    """Say whether two rectangles overlap."""
-    left, top, right, bottom = one
-    a, b, c, d = other
-    return left < c and a < right and top < d and b < bottom
-
-
 def _around(places: Iterable[Sequence[float]], radius: float) -> list[Rectangle]:
     return [(x - radius, y - radius, x + radius, y + radius) for x, y in places]
 

@@ -311,21 +311,8 @@ def draw_small(
 ) -> str:
     """Draw a small landscape with the demonstrator's diamond and a cross at each minimum.
 
-    Parameters
-    ----------
-    plane
-        From `small_plane`.
-    found
-        E over the postures.
-    minima
-        (k, 2) rad, the lowest first, whose cross is larger.
-    theta_demo
-        (2,) rad.
-
-    Returns
-    -------
-    str
-        Inside of an `<svg>`.
+    plane: from `small_plane`; found: E over the postures; minima: (k, 2) rad, the lowest first, whose cross is larger;
+    theta_demo: (2,) rad. Returns inside of an `<svg>`.
     """
     parts = [plane.frame("vi-plane")]
     E = found.E

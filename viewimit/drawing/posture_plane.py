@@ -4,9 +4,6 @@ The second joint's angle points to the right, the first's upwards, with one scal
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +18,6 @@ from .labels import (
     PlacedLabel,
     Rectangle,
     beside,
-    line_rectangles,
-    overlap,
     places_beside,
     text_at,
 )
@@ -36,7 +31,6 @@ TICK_SPACING = 38, 26  # px between numbers at least, horizontally and verticall
 GAP = 8  # px between words in a line
 PAPER_RANGE_DEG = ((0.0, 90.0), (-180.0, 0.0))  # shown empty for a scene without two moving joints
 NOW = 5.8  # px, radius of the dot at the path's end
-MAX_KEPT = 100  # motions for which labels keep their places while nothing covers them
 CLEARANCE = 3.0  # px that labels leave free on both sides of the path
 MIN_DISTANCE = 20.0  # px between start and learner for each to have a label
 AHEAD = 4.0  # px around the dot that newly placed labels leave free for the next motions
@@ -205,155 +199,72 @@ def _widest_gap(places: list[float]) -> float:
 # Labels of a path
 
 
-class _PathEnd(NamedTuple):
-    n_snapshots: int
-    cursor: int  # index of the shown moment
-    theta: NDArray[np.float64]  # (m,) rad, the learner's posture there
-
-    def is_same(self, other: "_PathEnd") -> bool:
-        return self[:2] == other[:2] and self.theta is other.theta
-
-
-@dataclass
-class _Placement:
-    """Labels as they were placed for one path."""
-
-    since: int  # motion at which all labels were placed
-    end: _PathEnd
-    line: Labels  # occupied by the path, the marks, and the dot wherever it has been since
-    labels: list[PlacedLabel]  # without the learner's; the start's first
-    own: str  # drawing of the learner's label
-    away: bool  # whether start and learner have a label each
-    _free: Labels | None = None
-
-    @property
-    def free(self) -> Labels:
-        """Occupied by the line and the labels. Made late: often the next motion covers a label before it is needed."""
-        if self._free is None:
-            self._free = self.line.copy()
-            for label in self.labels:
-                self._free.take(*label.occupies)
-        return self._free
-
-    @cached_property
-    def places(self) -> Labels:
-        """Occupied by the labels' words alone."""
-        places = Labels(*self.line.bounds)
-        places.take(*[label.place for label in self.labels if label.place is not None])
-        return places
-
-    @cached_property
-    def words(self) -> str:
-        """Drawing of the labels."""
-        return "".join([label.drawn for label in self.labels])
-
-    def extend_line(self, rectangles: Sequence[Rectangle]) -> None:
-        """Occupy what further motions take."""
-        self.line.take(*rectangles)
-        if self._free is not None:
-            self._free.take(*rectangles)
-
-
 class PathLabels:
     """Labels beside a path that grows. They stay in place as long as the path does not cover them.
 
-    Parameters
-    ----------
-    plane
-        The plot, with its occupied rectangles.
-    labels
-        Of marks and contours; those that find no free place are left out.
+    plane: the plot, with its occupied rectangles; labels: of marks and contours, those that find no free place are
+    left out.
     """
 
     def __init__(self, plane: PosturePlane, labels: Sequence[Label]):
         self._plane, self._labels = plane, labels
-        self._placement: _Placement | None = None
+        self._placed: dict[int, PlacedLabel] = {}  # by their number, the start's 0
+        self._free: Labels | None = None  # occupied by the path and the labels
+        self._line: Labels | None = None  # occupied by the path
+        self._path: tuple = ()  # for which they were placed: its length, cursor, and both ends
 
     def draw(
         self, history: Sequence[Snapshot], cursor: int, theta: NDArray[np.float64] | None, points: NDArray[np.float64]
     ) -> str:
         """Draw all labels.
 
-        Parameters
-        ----------
-        history, cursor
-            Snapshots, and the index of the shown one.
-        theta
-            Where the arm is shown while it moves, (m,) rad; only the learner's label follows it. None at rest.
-        points
-            The path as it is drawn, (k, 2) px.
+        history, cursor: snapshots, and the index of the shown one; theta: where the arm is shown while it moves, (m,)
+        rad; only the learner's label follows it. None at rest; points: the path as it is drawn, (k, 2) px.
         """
-        placement = self._placement
-        if placement is None or not placement.end.is_same(_end(history, cursor)):
-            placement = self._placement = self._follow(history, cursor, points)
-        return placement.words + (placement.own if theta is None else self._own(placement.free, theta, cursor)[0])
+        start, here = history[0].theta, history[cursor].theta
+        path = len(history), cursor, start.tobytes(), here.tobytes()
+        if self._free is None or self._path != path:
+            if self._path[2:3] != path[2:3]:
+                self._placed = {}
+            before = history[cursor - 1].theta
+            if self._line is not None and self._path == (cursor, cursor - 1, start.tobytes(), before.tobytes()):
+                points = self._plane.place(np.degrees([before, here]))  # it has grown by one motion
+            else:
+                self._line = self._plane.labels.copy()
+            self._line.take_line(points, CLEARANCE)
+            self._free, self._path = self._place(self._line.copy(), start, here, cursor), path
+        own, _ = self._own(self._free, here if theta is None else theta, cursor)
+        return "".join([label.drawn for label in self._placed.values()]) + own
 
-    def _follow(self, history: Sequence[Snapshot], cursor: int, points: NDArray[np.float64]) -> _Placement:
-        """Keep the labels if the path has grown; else place all of them."""
-        placement, new = self._placement, self._new_rectangles(history, cursor)
-        if placement is None or new is None or cursor - placement.since > MAX_KEPT:
-            return self._place_all(history, cursor, points)
-        return self._extend(placement, history, cursor, new)
+    def _place(self, line: Labels, start: NDArray[np.float64], here: NDArray[np.float64], cursor: int) -> Labels:
+        """Place the learner's label and those that are covered; all of them if it has no room beside the others.
 
-    def _new_rectangles(self, history: Sequence[Snapshot], cursor: int) -> list[Rectangle] | None:
-        """Return what the motions since the last drawing occupy; None if this is another path."""
-        if self._placement is None:
-            return None
-        count, before, theta = self._placement.end
-        if not len(history) - 1 == cursor > before == count - 1 or history[before].theta is not theta:
-            return None
-        since = history[before : cursor + 1]
-        return line_rectangles(self._plane.place(np.degrees([moment.theta for moment in since])), CLEARANCE)
-
-    def _place_all(self, history: Sequence[Snapshot], cursor: int, points: NDArray[np.float64]) -> _Placement:
-        line, (x, y) = self._plane.labels.copy(), points[0].tolist()
-        line.take_line(points, CLEARANCE)
-        line.take_points(self._plane.place(np.degrees(history[cursor].theta)), NOW + AHEAD)
-        labels = beside(x, y, "start", "vi-2nd vi-halo", 8), *self._labels
-        return self._place([PlacedLabel(label) for label in labels], line, history, cursor, cursor)
-
-    def _place(
-        self, labels: Sequence[PlacedLabel], line: Labels, history: Sequence[Snapshot], cursor: int, since: int
-    ) -> _Placement:
-        """Place the learner's label and those without a place; the start's only while the learner is away from it."""
-        theta, away, free = history[cursor].theta, self._is_away(history, cursor), line.copy()
-        for label in labels:
-            free.take(*label.occupies)
-        own, place = self._own(free, theta, cursor)
-        if place is not None:
-            free.take(place)
-        placed = [
-            free.put(label.label) if label.place is None and (k or away) else label for k, label in enumerate(labels)
-        ]
-        return _Placement(since, _end(history, cursor), line, placed, own, away)
-
-    def _is_away(self, history: Sequence[Snapshot], cursor: int) -> bool:
-        start, now = self._plane.place(np.degrees([history[0].theta, history[cursor].theta]))
-        return cursor > 0 and bool(np.abs(now - start).max() > MIN_DISTANCE)
-
-    def _extend(
-        self, placement: _Placement, history: Sequence[Snapshot], cursor: int, new: list[Rectangle]
-    ) -> _Placement:
-        """Move only the labels that further motions cover. new: what these motions occupy."""
-        theta, away = history[cursor].theta, self._is_away(history, cursor)
-        x, y = self._plane.place(np.degrees(theta)).tolist()
-        new = [*new, (x - NOW, y - NOW, x + NOW, y + NOW)]
-        placement.extend_line(new)
-        covering = [one for one in new if placement.places.covers(one)]
-        placement.own = "" if covering else self._own(placement.free, theta, cursor)[0]
-        if covering:
-            moved = [_any_overlap(label.occupies[:1], covering) for label in placement.labels]
-        elif not placement.own:  # where the learner's label finds a place if others move
-            place = self._own(placement.line, theta, cursor)[1]
-            moved = [place is not None and _any_overlap(label.occupies, [place]) for label in placement.labels]
-        else:
-            moved = [False] * len(placement.labels)
-        if any(moved) or away != placement.away:
-            moved[0] |= not away
-            labels = [PlacedLabel(label.label) if moves else label for label, moves in zip(placement.labels, moved)]
-            return self._place(labels, placement.line, history, cursor, placement.since)
-        placement.end = _end(history, cursor)
-        return placement
+        line: occupied by the path. Returns what is occupied without the learner's label, which follows the arm.
+        """
+        begun, now = self._plane.place(np.degrees([start, here]))
+        line.take_points(now, NOW)
+        labels = dict(enumerate(self._labels, 1))
+        if cursor > 0 and np.abs(now - begun).max() > MIN_DISTANCE:
+            labels = {0: beside(*begun.tolist(), "start", "vi-2nd vi-halo", 8)} | labels
+        uncovered = {
+            k: one
+            for k, one in self._placed.items()
+            if k in labels and one.place and not any(map(line.covers, one.occupies))
+        }
+        for kept in (uncovered, {}):
+            free = line.copy()
+            free.take_points(now, NOW + AHEAD)
+            for one in kept.values():
+                free.take(*one.occupies)
+            _, own = self._own(free, here, cursor)
+            if own is not None:
+                break
+        taken = free.copy()
+        taken.take(*([] if own is None else [own]))
+        self._placed = {k: kept.get(k) or taken.put(label) for k, label in labels.items()}
+        for one in self._placed.values():
+            free.take(*one.occupies)
+        return free
 
     def _own(self, labels: Labels, theta: NDArray[np.float64], cursor: int) -> tuple[str, Rectangle | None]:
         """Draw the learner's label at theta, (m,) rad, and return its place, which it does not occupy."""
@@ -362,11 +273,3 @@ class PathLabels:
         words = ("now {pose}" if cursor else "start {pose}").format(pose=where)
         place = labels.first_free(places_beside(x, y, labels.letter * len(words), 11))
         return ("" if place is None else text_at(place, words, "vi-of-own vi-halo")), place
-
-
-def _end(history: Sequence[Snapshot], cursor: int) -> _PathEnd:
-    return _PathEnd(len(history), cursor, history[cursor].theta)
-
-
-def _any_overlap(some: Sequence[Rectangle], others: Sequence[Rectangle]) -> bool:
-    return any(overlap(one, other) for one in some for other in others)

@@ -149,8 +149,8 @@ def _resting(snapshot: Snapshot, assessment: Assessment | None, joints: Sequence
     known = snapshot.certificate if assessment is None else assessment.certificate
     unobservable = [] if known is None else known.unobservable_joints
     names = listed([svg.joint_symbol(joints[k]) for k in unobservable]) if unobservable else ANY_JOINT
-    own = snapshot.certificate  # not the assessment's: E's curvature knows nothing of a bias, and promises no error
-    off = None if own is None else float(np.degrees(own.simultaneous_std_error))
+    own = snapshot.expected_error  # not the assessment's: E's curvature knows nothing of a bias, and promises no error
+    off = None if own is None else float(np.degrees(own))
     said = verdict(status).sentence(snapshot.motion, snapshot.E, int(snapshot.usable.sum()), names, off)
     if status.is_claim:
         return StatusMessage(status, sentences(said, why if snapshot.misfit is not None else ""))

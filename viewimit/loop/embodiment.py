@@ -84,8 +84,8 @@ class Eyes(Protocol):
             Always the same N points, matched by index [px]. With `Settings(matched=False)` the demonstrator's are in
             any order, the same in [l] and [r] and at every look; NaN fills up the body that shows fewer points.
             `FourViews.from_images` makes it of four arrays (N, 2), with NaN where a point is not visible. The following
-            count as not visible: a point at (0, 0) or (-1, -1) px, one a hundred times as far from the others as those
-            are from each other, and all points of a body if they are in one place or on one line.
+            count as not visible: a point at (0, 0), (-1, -1) px or the like, one a hundred times as far from the others
+            as those are from each other, and all points of a body if they are in one place or on one line.
         """
         ...
 

@@ -47,15 +47,7 @@ class Learner:
 
         A motion longer than `Settings.max_step_deg` takes several passes; the servo is asked again after the last.
 
-        Parameters
-        ----------
-        past : sequence of Snapshot
-            Up to the present one.
-
-        Returns
-        -------
-        Snapshot
-            After the motion; at the same motion as the present one if the arm stays.
+        past: up to the present one. Returns the snapshot after the motion; if the arm stays, one at the same motion.
         """
         now = past[-1]
         if now.pending_postures is not None and now.is_rehearsing:
@@ -207,19 +199,8 @@ class Learner:
     def predicted_residuals(self, past: Past, now: Snapshot, mirror_columns: bool = True) -> PredictedResiduals:
         """Make the function that a servo calls for the residuals of images that it predicts.
 
-        Parameters
-        ----------
-        past : sequence of Snapshot
-            Up to the present one.
-        now : Snapshot
-            Gives the demonstrator's images.
-        mirror_columns : bool
-            As of `PredictedResiduals`.
-
-        Returns
-        -------
-        PredictedResiduals
-            Own images (..., N, 4) px → residuals (..., n, C) px.
+        past: up to the present one; now: gives the demonstrator's images; mirror_columns: as of `PredictedResiduals`.
+        It maps own images (..., N, 4) px to residuals (..., n, C) px.
         """
         velocity = target_velocity([one.views for one in past[-VELOCITY_LOOKS:]])
         return now.predicted_residuals(velocity, self.observer.image_noise_std(now.settings), mirror_columns)

@@ -10,6 +10,7 @@ import binascii
 import math
 import zlib
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import Any
 from urllib.parse import parse_qsl, quote_plus
 
@@ -144,12 +145,15 @@ def _angle(rounded: float, angle: float) -> str:
     return f"{angle!r}rad"  # no number of degrees is that
 
 
-def understood(pairs: Pairs, base: Settings) -> Script:
-    """Read the script that the fields of a query say. pairs: words of ACTIONS and their values, in order; base: what it
-    is said against, complete. Returns the one that was said. Raises ValueError for a word or a value that is not
-    understood, in one line; for more work than a link may ask for."""
-    if sum(name not in ("steps", "looks", "demo") for name, _ in pairs) > MAX_CHANGES:
-        raise ValueError(f"the link has more than {MAX_CHANGES} changes")
+def understood(pairs: Pairs, base: Settings, share: int = 1) -> Script:
+    """Read the script that the fields of a query say.
+
+    pairs: words of ACTIONS and their values, in order; base: what it is said against, complete; share: of how many
+    scripts of one link it is one. Raises ValueError, in one line, for a word or a value that is not understood, and
+    for more work than a link may ask for.
+    """
+    if sum(name not in ("steps", "looks", "demo") for name, _ in pairs) > MAX_CHANGES // share:
+        raise ValueError(f"the link has more than {MAX_CHANGES // share} changes")
     begun, at = _beginning(pairs, 0, base)
     actions: list[Action] = []
     while at < len(pairs):
@@ -227,14 +231,17 @@ def packed(script: Script, motion: bytes | None = None) -> str:
     return text
 
 
-def unpacked(text: str) -> Packed:
-    """Read the text of `x`. Raises ValueError, in one line, for what is damaged or asks for too much."""
+def unpacked(text: str, share: int = 1) -> Packed:
+    """Read the text of `x`, of one of `share` scripts.
+
+    Raises ValueError, in one line, for what is damaged or asks for too much.
+    """
     try:
         data = base64.b64decode(text + "=" * (-len(text) % 4), altchars="-_", validate=True)
         content = zlib.decompressobj().decompress(data, MAX_UNPACKED + 1)
         if len(content) > MAX_UNPACKED:
             raise ValueError(f"more than {MAX_UNPACKED} bytes")
-        _require_few(content)
+        _require_few(content, share)
         found = msgspec.json.decode(content, type=Packed)
     except (ValueError, zlib.error, binascii.Error, msgspec.MsgspecError, RecursionError) as error:
         raise ValueError(f"the link is damaged: {_line(error)}") from None
@@ -250,13 +257,13 @@ class _Counted(msgspec.Struct):
     script: Inner
 
 
-def _require_few(content: bytes) -> None:
+def _require_few(content: bytes, share: int) -> None:
     """Raise ValueError before many restarts are converted, each of which takes time."""
     actions = msgspec.json.decode(content, type=_Counted).script.deeds
-    if len(actions) > MAX_ACTIONS:
-        raise ValueError(f"more than {MAX_ACTIONS} actions")
-    if sum(bytes(action)[:4] not in (b'["s"', b'["l"', b'["p"') for action in actions) > MAX_CHANGES:
-        raise ValueError(f"more than {MAX_CHANGES} changes")
+    if len(actions) > MAX_ACTIONS // share:
+        raise ValueError(f"more than {MAX_ACTIONS // share} actions")
+    if sum(bytes(action)[:4] not in (b'["s"', b'["l"', b'["p"') for action in actions) > MAX_CHANGES // share:
+        raise ValueError(f"more than {MAX_CHANGES // share} changes")
 
 
 def _bounded(script: Script) -> Script:
@@ -266,7 +273,7 @@ def _bounded(script: Script) -> Script:
     for action in script.actions:
         moves = (action.theta_demo,) if isinstance(action, MoveDemonstrator) else ()
         postures = action.postures if isinstance(action, Calibrate) else moves
-        if not all(np.isfinite(posture).all() for posture in postures):
+        if not all(map(math.isfinite, chain.from_iterable(postures))):
             raise ValueError("the link has an angle that is no number")
     return script
 

@@ -409,7 +409,7 @@ class RunResult:
     def message(self) -> str:
         """What is told of the run in every front end, and why it ended, in sentences."""
         status, last, known = self.status, self.last, self.last.certificate
-        off = None if known is None else float(np.degrees(known.simultaneous_std_error))
+        off = None if last.expected_error is None else float(np.degrees(last.expected_error))
         unobservable = [] if known is None else known.unobservable_joints
         names = listed([f"joint {self.joints[k] if self.joints else k + 1}" for k in unobservable]) or ANY_JOINT
         reasons = [verdict(status).sentence(last.motion, last.E, int(last.usable.sum()), names, off)]

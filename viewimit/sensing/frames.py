@@ -19,7 +19,7 @@ MOVED_PX, MOVED_SIGMA = (
     0.2,
     5.0,
 )  # px of typical images, and times the noise: the body has moved if half the points have
-MISSING_PX = (0.0, -1.0)  # both coordinates of a missing point, as many trackers write it
+FAR_PX = 1e4  # of both coordinates, from which no picture reaches
 FAR_OUTLIER = 100.0  # times the median distance from the median point of an image: no body reaches there
 
 Points = NDArray[np.float64]
@@ -75,8 +75,9 @@ def estimate_latency(before: tuple[Points, Visible], look: Look, noise_px: float
 
 
 def is_missing_value(image: Points) -> Visible:
-    """Return which points are at (0, 0) or (-1, -1) exactly, as trackers mark missing ones: (..., 2) px -> (...)."""
-    return np.isin(image[..., 0], MISSING_PX) & (image[..., 0] == image[..., 1])
+    """Return which points, (..., 2) px, are where trackers put missing ones, at (0, 0), (-1, -1), (-9999, -9999) …"""
+    x = image[..., 0]
+    return (x == image[..., 1]) & (x == np.round(x)) & ((x <= 0) | (x >= FAR_PX))
 
 
 def is_far_outlier(image: Points) -> Visible:

@@ -20,7 +20,7 @@ from ..geometry.distortion import LensDistortion
 from .files import MEGABYTE, parse_toml, read_bytes
 
 MATRICES = "cameramatrix|intrinsicmatrix|intrinsicsmatrix|intrinsics|intrinsic|matrix|mtx|k|m"
-DISTORTIONS = "distortioncoefficients|distortioncoeffs|distcoeffs|distortions|distortion|dist|d"
+DISTORTIONS = "dist(?:ortions?)?(?:coefficients?|coeffs?|coefs?|params|parameters|vector)?|d"
 SIDES = "left|right|l|r|0|1|2"
 KEY = re.compile(rf"(?:cam|camera)?({SIDES})?(?:({MATRICES})|({DISTORTIONS}))({SIDES})?")
 NAMES = "name", "camera_name", "cam_name"
@@ -37,12 +37,17 @@ MODELS = (
     "rationalpolynomial",
     "",
 )
+MODEL_KEYS = "distortionmodel", "cameramodel", "model"
+FISHEYE = re.compile("fisheye|equidist|kannala|^kb")
+OTHER_MODEL = re.compile(f"{FISHEYE.pattern}|equisolid|stereographic|omni|^mei$|ucm|unified|doublesphere|^ds$|fov|ocam")
 COUNTS = 2, 4, 5  # of coefficients that may be given
 NUMBERS = "FX,FY,CX,CY,K1,K2,P1,P2,K3"
 BEYOND = 0.1  # of the points' extent, by which a lens's centre lies outside before it is mentioned
 Floats = NDArray[np.float64]
 N_COEFFICIENTS = 5  # k1, k2, p1, p2, k3
+MAX_SKEW = 1e-3  # of the focal length
 UNDISTORT = "remove the distortion from the table: points = cv2{}.undistortPoints(points, K, D, P=K)"
+BY_TOOL = "remove the distortion from the table with the tool that has calibrated it"
 TOKEN = re.compile(r"\s*([\[\]{},]|\"[^\"]*\"|'[^']*'|[^\[\]{},]+)")
 
 
@@ -154,21 +159,23 @@ def _cameras(fields: Any, name: str, above: Mapping[str, Any]) -> Iterator[tuple
 
 
 def _lens(name: str, matrix: Any, distortion: Any, known: Mapping[str, Any]) -> CalibratedLens:
+    if model := _other_model(known):
+        remedy = UNDISTORT.format(".fisheye") if FISHEYE.search(_plain(model)) else BY_TOOL
+        raise ValueError(f"{name}: its model is {model!r}, not OpenCV's usual one: {remedy}")
     values = _numbers(matrix) or []
     if len(values) == 9:
-        fx, fy, cx, cy = values[0], values[4], values[2], values[5]
+        fx, skew, cx, *_, fy, cy = values[:6]
+        if abs(skew) > MAX_SKEW * abs(fx) or [values[3], *values[6:]] != [0, 0, 0, 1]:
+            raise ValueError(f"{name}: its matrix is not [fx 0 cx; 0 fy cy; 0 0 1]; MATLAB's is transposed")
     elif len(values) == 4:  # Kalibr's
         fx, fy, cx, cy = values
     else:
         raise ValueError(f"{name}: a camera matrix has 9 numbers, or 4 (fx, fy, cx, cy), not {len(values)}")
     if not (min(fx, fy) > 0 and np.isfinite([fx, fy, cx, cy]).all()):
         raise ValueError(f"{name}: focal lengths of {fx:g} and {fy:g} px are none of a lens")
-    for key in ("distortionmodel", "cameramodel", "model", "fisheye"):
-        model = known.get(key, "")
-        if model is True or (isinstance(model, str) and _plain(model) not in (*MODELS, "false")):
-            what = "fisheye" if model is True else model
-            raise ValueError(f"{name}: its model is {what!r}, not OpenCV's usual one: {UNDISTORT.format('.fisheye')}")
     coefficients = None if distortion is None else _numbers(distortion) or [0.0]
+    if coefficients is not None and len(coefficients) == 3:
+        raise ValueError(f"{name}: are its 3 coefficients k1, k2, p1 or k1, k2, k3? Write k1, k2, p1, p2, k3")
     if coefficients is not None and any(coefficients[N_COEFFICIENTS:]):
         raise ValueError(f"{name}: it has {len(coefficients)} coefficients of distortion: {UNDISTORT.format('')}")
     size = next((_numbers(known[key]) for key in SIZES if key in known), None)
@@ -176,6 +183,21 @@ def _lens(name: str, matrix: Any, distortion: Any, known: Mapping[str, Any]) -> 
     size = _numbers(pair) if size is None or len(size) != 2 else size
     k = None if coefficients is None else tuple((*coefficients[:N_COEFFICIENTS], 0.0)[: max(len(coefficients), 2)])
     return CalibratedLens((fx, fy), (cx, cy), k and k[:N_COEFFICIENTS], None if size is None else (size[0], size[1]))
+
+
+def _other_model(known: Mapping[str, Any]) -> str | None:
+    """What says that the lens is a fisheye, or of another model than OpenCV's usual one; None if nothing does."""
+    for key, value in known.items():
+        text = _plain(value)
+        if ("fisheye" in key or key == "xi") and value and text not in ("false", "no", "0", "none"):
+            return key
+        if not isinstance(value, str):
+            continue
+        if key in MODEL_KEYS and text not in (*MODELS, "false"):
+            return value
+        if re.search("model|type|projection", key) and OTHER_MODEL.search(text):
+            return value
+    return None
 
 
 def _plain(key: Any) -> str:

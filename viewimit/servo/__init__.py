@@ -6,7 +6,7 @@ the next state and a displacement. `residuals` is a `ResidualFunction`: it compu
 servo predicts, without a motion.
 
 To try a servo, give it to `Session(settings, servo=…)`. To give it a name for all commands and the page, assign it, or
-a `ServoMethod` with title, limitations, equations and storage: `SERVOS["name"] = …`.
+a `ServoMethod` with title, limitations and equations: `SERVOS["name"] = …`.
 """
 
 from ..estimation.residuals import ResidualFunction

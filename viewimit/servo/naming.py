@@ -23,7 +23,6 @@ class Naming:
     E_noise: float  # px², of it that noise explains
     accepted: bool  # whether noise explains E
     rival: Names | None = None  # (N,): other names that may explain the images as well; None: there are none
-    rival_displacement: Array | None = None  # (m,) rad, in which they do
 
     def per_pixel(self, unit_px: float) -> "Naming":
         """Convert E from image units of unit_px pixels to px²."""

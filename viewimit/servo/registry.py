@@ -1,4 +1,4 @@
-"""The servos by name, and a description of each: title, prose, LaTeX and storage.
+"""The servos by name, and a description of each: title, prose and LaTeX.
 
 The mathematics of a servo is in its own module. Only `servo` is required of an entry; all other fields have defaults.
 """

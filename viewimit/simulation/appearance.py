@@ -65,11 +65,7 @@ class Bodies:
 class Silhouettes:
     """Projects the polygons and skeletons of both arms.
 
-    Parameters
-    ----------
-    meshes : mapping
-        Vertices by link (0 = base), (V, 3) m in the link's frame. Without meshes there are skeletons only.
-    world : World
+    meshes: vertices by link (0 = base), (V, 3) m in the link's frame. Without meshes there are skeletons only.
     """
 
     def __init__(self, meshes: Mapping[int, Floats], world: World):

@@ -187,14 +187,8 @@ def any_active(amounts: ImageAmounts | MatchAmounts | ArmAmounts) -> bool:
 def disturb(amounts: ImageAmounts, points: Floats, visible: Visible, seed: Sequence[int]) -> tuple[Floats, Visible]:
     """Disturb one image.
 
-    Parameters
-    ----------
-    amounts : tuple
-        Disturbances with their amounts. They draw from one random stream, in this order.
-    points, visible : (N, 4) and (N, 2) arrays
-        Points [px], and whether they are visible.
-    seed : sequence of int
-        Seed of the stream.
+    amounts: disturbances, which draw from one random stream in this order; points, visible: (N, 4) px and (N, 2); seed:
+    of the stream.
     """
     if not any_active(amounts):
         return points, visible

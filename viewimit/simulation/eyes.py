@@ -77,18 +77,8 @@ class ProjectedEyes:
 def open_eyes(sensor: str, scene: Scene, points: int) -> SimulatedEyes:
     """Open the eyes of a session.
 
-    Parameters
-    ----------
-    sensor : str
-        "projected" for projected points, "rendered" for pictures.
-    scene : Scene
-    points : int
-        Layout of the scene. Pictures show the markers instead.
-
-    Raises
-    ------
-    ValueError
-        As `require_eyes`.
+    sensor: "projected" for projected points, "rendered" for pictures, which show the markers instead; points: layout of
+    the scene. Raises ValueError as `require_eyes`.
     """
     if sensor == "projected":
         return ProjectedEyes(scene, points)

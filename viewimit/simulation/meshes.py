@@ -101,19 +101,8 @@ def first_hit(
 ) -> SurfaceHit | None:
     """Intersect a ray with an arm, from either side of its surface.
 
-    Parameters
-    ----------
-    meshes : mapping
-        Meshes by link number, each in its link's frame [m].
-    T_world_links : (n + 1, 4, 4) array
-        Frames of the links.
-    origin, direction : (3,) arrays
-        The ray, in the world [m].
-
-    Returns
-    -------
-    SurfaceHit or None
-        The nearest intersection in front of the origin.
+    meshes: by link number, each in its link's frame [m]; T_world_links: (n + 1, 4, 4), the frames; origin, direction:
+    (3,) m, the ray in the world. Returns the nearest intersection in front of the origin, if there is one.
     """
     direction = direction / np.linalg.norm(direction)
     found: SurfaceHit | None = None

@@ -25,7 +25,7 @@ ARM_GREY, STEM_GREY = 0.75, 0.5
 STEM_RADIUS_M, STEM_SIDES = 0.003, 12
 SEARCHED_WIDTH = 0.56  # fraction of a picture's width: the head turns to the body that it watches
 MAX_FACE_DEPTH = 1.2  # from a ball's centre to the nearest visible surface, in radii
-NOISE_PX = 0.08  # standard deviation of a coordinate, as `viewimit bench detection` measures it
+NOISE_PX = 0.08  # standard deviation of a coordinate, as studies/detection.py measures it
 
 Floats = NDArray[np.float64]
 Visible = NDArray[np.bool_]
@@ -37,11 +37,7 @@ Layer = tuple[NDArray[np.floating], Colours]  # inverse depths [1/m] and packed 
 class Studio:
     """A room in which an arm stands at each of two bases. The room is drawn once for each camera.
 
-    Parameters
-    ----------
-    world : World
-    markers : Markers
-        The balls that both arms wear.
+    markers: the balls that both arms wear.
     """
 
     def __init__(self, world: World, markers: Markers):

@@ -57,14 +57,20 @@ def scene_text(scene: Scene) -> str:
             f"its robot, {scene.robot}, is not among those that are everywhere, {', '.join(robot_names())}"
         )
     fields = msgspec.to_builtins(scene)
-    candidates = [_difference({}, fields)]
+    candidates = [whole_text(scene)]
     for name, below in _shipped_fields().items():
         if _only_adds(below, fields):
-            candidates.append({"extends": name, "title": scene.title, **_difference(below, fields)})
-    text = min(("\n".join(_plain_lines(one)) + "\n" for one in candidates), key=len)
+            added = {"extends": name, "title": scene.title, **_difference(below, fields)}
+            candidates.append("\n".join(_plain_lines(added)) + "\n")
+    text = min(candidates, key=len)
     if load_scene(text) != scene:
         raise ValueError("no text reproduces it")
     return text
+
+
+def whole_text(scene: Scene) -> str:
+    """Return all fields of a scene as a text, which a scene of a shipped robot can be loaded from anywhere."""
+    return "\n".join(_plain_lines(_difference({}, msgspec.to_builtins(scene)))) + "\n"
 
 
 def toml(value: Any) -> str:

@@ -5,12 +5,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene
-from viewimit.drawing.export.replay import bundle
 from viewimit.simulation.scene import Scene, extended, load_scene
 
+from ..engine_scene import describe_hulls, engine_scene
 from ..lessons.situation import move_eyes
 from ..page import with_few_points
+from ..replay import bundle
 
 HERE = Path(__file__).parent
 FIGURES = "lines", "crossing", "assumption", "bowl", "servo", "distance", "points"  # in the article's order

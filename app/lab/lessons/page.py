@@ -10,13 +10,13 @@ from string import Template
 from typing import Any
 
 from viewimit import __version__
-from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene
-from viewimit.drawing.export.replay import bundle, packed, styles, with_policy
 from viewimit.drawing.glossary import glossary
 from viewimit.simulation.scene import load_scene
 
 from ...ways import Ways, header
+from ..engine_scene import describe_hulls, engine_scene
 from ..page import NO_WAYS, SHIPPED, served_page, served_scenes, with_few_points
+from ..replay import bundle, packed, styles, with_policy
 from .format import Lesson
 from .source import ORDER, questions, shipped
 from .step_data import Scenes, items_with_facts, lesson_data, situation_of

@@ -17,9 +17,9 @@ import numpy as np
 from viewimit.assets import ROOT
 
 import viewimit
-from viewimit.drawing.export.engine_scene import engine_scene
 from viewimit.simulation.scene import Scene
 
+from ..engine_scene import engine_scene
 from ..page import with_few_points
 from . import facts
 from .format import Do, Item, Lesson, Slider, Step, figures_of, measures_in, measures_of, settings_of

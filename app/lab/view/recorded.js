@@ -1,4 +1,4 @@
-/** A recorded run, as viewimit/drawing/export/recording.py writes it: its snapshots as the lab's modules take them. */
+/** A recorded run, as app/lab/recording.py writes it: its snapshots as the lab's modules take them. */
 import {EpipolarGeometry, MIN_POINTS, select} from "../engine/engine.js";
 
 /** @typedef {{axes: number[], turn: number[], angle?: number[], steps?: number[][], lines?: number[][] | null}} Built

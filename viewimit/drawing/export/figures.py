@@ -58,24 +58,9 @@ _RULE = re.compile(r"([^{}]+)\{([^{}]*)\}")
 def standalone(drawing: str, title: str, description: str = "", css: str = DRAWING_CSS) -> str:
     """Turn a drawing into an SVG file with its own styles. The same drawing gives the same file.
 
-    Parameters
-    ----------
-    drawing
-        HTML with one `<svg class="vi …" viewBox="0 0 w h">`.
-    title, description
-        What screen readers say of the file.
-    css
-        The stylesheet in which the drawing's classes are looked up.
-
-    Returns
-    -------
-    str
-        Text of the file.
-
-    Raises
-    ------
-    ValueError
-        If the drawing has no such element.
+    drawing: HTML with one `<svg class="vi …" viewBox="0 0 w h">`; title, description: what screen readers say of the
+    file; css: the stylesheet in which the drawing's classes are looked up. Returns text of the file. Raises ValueError
+    if the drawing has no such element.
     """
     found = _ROOT.search(drawing)
     if found is None:

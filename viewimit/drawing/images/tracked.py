@@ -22,14 +22,8 @@ LEGEND = 26  # px of the heading above four views, and of the legend below
 def draw_view(view: str, seen: NDArray[np.float64], recovered: NDArray[np.float64] | None, names: Sequence[str]) -> str:
     """Draw one view as SVG.
 
-    Parameters
-    ----------
-    view
-        Its name in files, such as demo_left.
-    seen, recovered
-        Points, (k, 2) px of the image, y downwards.
-    names
-        Of the points, (k,).
+    view: its name in files, such as demo_left; seen, recovered: points, (k, 2) px of the image, y downwards; names: of
+    the points, (k,).
     """
     return f'<svg class="vi" viewBox="0 0 {WIDTH} {HEIGHT}">{_view(view, seen, recovered, names)}</svg>'
 

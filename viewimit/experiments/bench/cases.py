@@ -17,9 +17,9 @@ from ...loop.snapshot import RunResult
 from ...servo import SERVOS, MisfitKind
 from ...simulation.eyes import open_eyes
 from ...simulation.scene import Scene, load_scene
+from ...simulation.scene_writing import whole_text
 from . import demonstrators as other
 from . import measures
-from .calibrated import ORACLES
 from .draws import (
     DEMO_DEG,
     DISTANT_POINTS,
@@ -30,16 +30,14 @@ from .draws import (
     draw_postures,
     draw_scene,
     open_resized,
-    scene_text,
     shared_eyes,
     surface_points,
 )
-from .engine import LITERATURE, NEAR_DEG, Case, Draw, Group, Run, Says, arrives, claims_nothing, claims_nothing_false
+from .engine import NEAR_DEG, Case, Draw, Group, Run, Says, arrives, claims_nothing, claims_nothing_false
 from .intervals import rms
 
 NOISY: dict[str, Any] = {"noise_px": 0.25, "frames": 25}
 SEVEN: dict[str, Any] = {"joints": tuple(range(1, 8)), "points": 16}
-PAPER_LAW = "gradient"
 
 
 def posed(
@@ -240,7 +238,7 @@ def any_head(draw: Draw, **changes: Any) -> Session:
     """A new random scene for each run, with any head."""
     drawn = draw_scene(draw.rng, any_head=True)
     eyes = changes.pop("open_eyes", open_resized)
-    return posed(draw, open_eyes=partial(eyes, size=drawn.size), scene=scene_text(drawn.scene), points=drawn.points,
+    return posed(draw, open_eyes=partial(eyes, size=drawn.size), scene=whole_text(drawn.scene), points=drawn.points,
                  **changes)  # fmt: skip
 
 
@@ -255,7 +253,7 @@ def _pairs(seed: int, scene: int, any_head: bool) -> tuple[str, int, float, list
     low, high = np.transpose(drawn.scene.range_deg)
     pairs = rng.uniform(low, high, (PAIRS_PER_SCENE, 2, 2)).tolist()
     seeds = [int(rng.integers(2**32)) for _ in pairs]
-    return scene_text(drawn.scene), drawn.points, drawn.size, pairs, seeds
+    return whole_text(drawn.scene), drawn.points, drawn.size, pairs, seeds
 
 
 def in_scenes(draw: Draw, any_head: bool, **changes: Any) -> Session:
@@ -346,34 +344,6 @@ CALIBRATION = Group(
 )
 
 
-# All laws side by side
-
-
-def every_law(transfer: str | None, servos: Sequence[str]) -> list[tuple[str, str]]:
-    """Return the paper's law, with which the others are compared, and all others or those given."""
-    laws = dict.fromkeys([PAPER_LAW, *(servos or [*SERVOS, *LITERATURE, *ORACLES])])
-    return [(transfer or Settings().transfer, law) for law in laws]
-
-
-COMPARE = Group(
-    "All servo laws side by side, from the same draws; an oracle is given the URDF and the calibrated cameras.",
-    tuple(
-        Case(name, opened, max_motions=200, max_runs=most)
-        for name, opened, most in (
-            ("default scene", posed, None),
-            ("toed-in heads", any_head, None),
-            ("noise 0.5 px, 25 frames", partial(posed, noise_px=0.5, frames=25), None),
-            ("20 points, hidden by surfaces", partial(on_surface, count=20, hidden=0.0), None),
-            ("seven joints, ±30°, 16 points", partial(posed, offset_deg=30.0, **SEVEN), 96),
-        )
-    ),
-    Settings.paper(),
-    every_law,
-    in_scene=True,
-    restarts=True,
-)
-
-
 # Rendered pictures, and robots of a folder
 
 PICTURES = Group(
@@ -454,13 +424,14 @@ NAMINGS: list[tuple[str, dict[str, Any]]] = [
 UNMATCHED = Group(
     "Points without names: how often they are found, and whether runs end as with names.",
     tuple(
-        Case(f"{name}{also}", partial(unnamed, matched=bool(also), **kind), measure=measures.of_names, max_motions=200)
+        Case(f"{name}{also}", partial(unnamed, matched=bool(also), **kind), measure=measures.of_names, max_motions=200,
+             unnamed=not also)
         for name, kind in NAMINGS
         for also in ("", ", with names")
     ),
     Settings(),
     measures=measures.OF_NAMES,
-)
+)  # fmt: skip
 
 
 # Demonstrators and arms that are not as the method assumes
@@ -538,7 +509,6 @@ GROUPS: dict[str, Group] = {
     "tracking": TRACKING,
     "scenes": SCENES,
     "calibration": CALIBRATION,
-    "compare": COMPARE,
     "pictures": PICTURES,
     "robots": ROBOTS,
     "unmatched": UNMATCHED,

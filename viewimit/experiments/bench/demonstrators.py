@@ -149,16 +149,8 @@ def lens(rng: Rng, scene: Scene, points: int) -> SimulatedEyes:
 class OtherPoints(ProjectedEyes):
     """Projected points, of which some of the demonstrator's are hidden, and others are seen that no body has.
 
-    Parameters
-    ----------
-    scene, points
-        As of `ProjectedEyes`.
-    missing : int
-        Points of the demonstrator that are hidden.
-    extra : int
-        Points beside it, anywhere in the box around its points. They come after all others, and the learner has none.
-    seed : sequence of int
-        Of both.
+    scene, points: as of `ProjectedEyes`; missing: points of the demonstrator that are hidden; extra: points beside it,
+    anywhere in the box around its points. They come after all others, and the learner has none; seed: of both.
     """
 
     def __init__(self, scene: Scene, points: int, missing: int = 0, extra: int = 0, seed: Sequence[int] = ()):

@@ -79,16 +79,9 @@ def _projected(scene: bytes, points: int) -> ProjectedEyes:
 class SurfaceEyes(ProjectedEyes):
     """Points on the robot's surface, hidden where it is turned away from the camera.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene, in which `body` takes the place of its layouts.
-    body : BodyPoints
-        N points.
-    normals : (N, 3) array or None
-        Unit normals in the links' frames; None: all points are seen.
-    hidden : float
-        A point is hidden up to this cosine of the angle between its normal and the direction to a camera.
+    scene: `body` takes the place of its layouts; body: N points; normals: (N, 3), unit normals in the links' frames,
+    None if all points are seen; hidden: a point is hidden up to this cosine of the angle between its normal and the
+    direction to a camera.
     """
 
     def __init__(self, scene: Scene, body: BodyPoints, normals: NDArray[np.float64] | None, hidden: float = 0.0):
@@ -234,23 +227,6 @@ def resize(world: World, size: float) -> None:
     world.T_world_own = world.T_world_own @ np.diag([size, size, size, 1.0])
 
 
-def scene_text(scene: Scene) -> str:
-    """Return a scene file's text, which `load_scene` reads."""
-    head = {key: value for key, value in msgspec.to_builtins(scene.head).items() if value is not None}
-    eyes = {f"head.{side}": _given(head.pop(side)) for side in ("left", "right")}
-    tables = {
-        "head": head,
-        **eyes,
-        "demonstrator": msgspec.structs.asdict(scene.demonstrator),
-        "learner": msgspec.structs.asdict(scene.learner),
-        "points": scene.points,
-    }
-    lines = [f'extends = "{scene.robot}"', f'title = "{scene.title}"']
-    for table, values in tables.items():
-        lines += [f"[{table}]", *(f"{key} = {_toml(value)}" for key, value in values.items())]
-    return "\n".join(lines) + "\n"
-
-
 def _drawn(rng: np.random.Generator, any_head: bool) -> DrawnScene:
     scene = load_scene(str(rng.choice(ROBOTS)))
     known = list(dict.fromkeys(point for layout in scene.points.values() for point in layout))
@@ -322,14 +298,3 @@ def _all_seen(world: World, rng: np.random.Generator) -> bool:
 
 def _moved(position: Sequence[float], shift: NDArray) -> tuple[float, ...]:
     return tuple((np.array(position) + shift).tolist())
-
-
-def _given(values: dict) -> dict:
-    return {key: value for key, value in values.items() if value is not None}
-
-
-def _toml(value) -> str:
-    """Write a number, a boolean, or a list of them."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    return f"[{', '.join(map(_toml, value))}]" if isinstance(value, (tuple, list)) else repr(value)

@@ -25,17 +25,13 @@ from ...loop.snapshot import RunResult
 from ...servo import SERVOS, ServoMethod, ServoStatus, servo_method
 from ...simulation.eyes import open_eyes
 from ..executors import LIBRARY, Study
-from .calibrated import ORACLES, CalibratedServo
-from .generative import Generative
 from .intervals import Interval, Share, of_median, of_percentile, paired_difference, rms, share_of
-from .restarts import Restarts
 
 WITHIN_DEG = (0.5, 1.0, 3.0)  # largest joint errors up to which runs are counted
 NEAR_DEG = WITHIN_DEG[0]
 FALSE_DEG, N_SIGMA = 1.0, 3.0
 N_SIGMA_COVERED = 2.0  # expected errors within which a claim is covered
 HIGH_PERCENTILE = 95.0
-LITERATURE = {"generative": ServoMethod(servo=Generative(), predicts=True)}  # further laws, for studies alone
 
 
 @dataclass(frozen=True)
@@ -111,16 +107,12 @@ class Draw:
     seed: int  # of the study
     rng: np.random.Generator
     law: ServoMethod | None = None  # a servo that the settings cannot name
-    rehearsed: int = 0  # postures in which a servo that can use them calibrates itself first
+    max_motions: int = 0  # of the run
     notes: dict[str, Any] = field(default_factory=dict)  # what `open` and `drive` leave for `measure`
 
     def session(self, open_eyes: OpenEyes = open_eyes, **changes: Any) -> Session:
         """Open a session with these fields of `Settings` changed."""
-        settings = msgspec.structs.replace(self.settings, **changes)
-        session = Session(settings, open_eyes=open_eyes, servo=self.law)
-        if self.law is not None and isinstance(self.law.servo, CalibratedServo):
-            self.law.servo.attach(session)
-        return session
+        return Session(msgspec.structs.replace(self.settings, **changes), open_eyes=open_eyes, servo=self.law)
 
 
 def of_run(seed: int, number: int) -> np.random.Generator:
@@ -150,6 +142,7 @@ class Case:
     max_motions: int = 80
     patience: int = 20  # looks in a row with too few points after which a run ends
     max_runs: int | None = None  # of all draws, the first ones
+    unnamed: bool = False  # whether it is for servos alone that find which point is which
     generator: Callable[[int, int], np.random.Generator] = of_run
 
 
@@ -172,18 +165,16 @@ class Group:
     measures: Measures = field(default_factory=dict)  # columns beside the common ones, of the runs of a row
     runs: int = 200
     in_scene: bool = False  # whether --scene and --n-points apply
-    restarts: bool = False  # whether laws that descend once begin again by `Restarts`
     of_folder: Callable[[Path], Sequence[Case]] | None = None  # makes the cases of a folder
 
 
-def servo_named(name: str) -> ServoMethod:
-    """Return the servo of this name, or of MODULE:OBJECT. Raises UnknownMethod."""
-    known: dict[str, Any] = {**ORACLES, **LITERATURE, **SERVOS}
-    if name in SERVOS or name in LITERATURE:
-        return known[name]
+def own_servo(name: str) -> ServoMethod | None:
+    """Return the servo MODULE:OBJECT; None for one of SERVOS, which settings name. Raises UnknownMethod."""
     module, colon, attribute = name.partition(":")
+    if name in SERVOS:
+        return None
     if not colon:
-        raise UnknownMethod(f"no servo {name!r}; there are {', '.join(known)}, or MODULE:OBJECT of your own")
+        raise UnknownMethod(f"no servo {name!r}; there are {', '.join(SERVOS)}, or MODULE:OBJECT of your own")
     try:
         given = getattr(importlib.import_module(module), attribute)
         return servo_method(given() if isinstance(given, type) else given)
@@ -191,9 +182,15 @@ def servo_named(name: str) -> ServoMethod:
         raise UnknownMethod(f"{name}: {error}") from None
 
 
+def cannot_run(case: Case, servo: str) -> str:
+    """Return in a line why a servo has no runs of a case; nothing if it has. Raises UnknownMethod."""
+    needs_names = not (own_servo(servo) or SERVOS[servo]).names_points
+    return f"{case.name}: {servo} needs points with names" if case.unnamed and needs_names else ""
+
+
 def own_files(servos: Sequence[str], cases: Sequence[Case]) -> dict[str, str]:
     """Return a hash of each file, not of this library, that has a servo, a transfer or a case: {"lab.py": "3f…"}."""
-    methods = [type(servo_named(name).servo) for name in (*SERVOS, *servos) if name not in ORACLES]
+    methods = [type((own_servo(name) or SERVOS[name]).servo) for name in (*SERVOS, *servos)]
     functions = [getattr(case.open, "func", case.open) for case in cases]
     modules = {one.__module__ for one in (*methods, *functions, *(method.fit for method in TRANSFERS.values()))}
     files = [Path(getattr(sys.modules.get(module), "__file__", None) or "") for module in modules]
@@ -201,23 +198,13 @@ def own_files(servos: Sequence[str], cases: Sequence[Case]) -> dict[str, str]:
     return {file.name: hashlib.sha256(file.read_bytes()).hexdigest()[:12] for file in own}
 
 
-def law_of(name: str, seed: Sequence[int], max_motions: int, restarts: bool) -> ServoMethod | None:
-    """Return the servo that a session is given as an object; None for one that its settings can name."""
-    if name in ORACLES:
-        return ServoMethod(servo=CalibratedServo(ORACLES[name], seed), mirror_columns=True)
-    method = servo_named(name)
-    if restarts and (name in LITERATURE or not method.predicts):  # the others begin again by themselves
-        return ServoMethod(servo=Restarts(method, tuple(seed), max_motions), mirror_columns=True, predicts=True)
-    return None if name in SERVOS else method
-
-
 def run_once(
-    case: Case, settings: Settings, servo: str, seed: int, number: int, max_motions: int, rehearsed: int, restarts: bool
+    case: Case, settings: Settings, servo: str, seed: int, number: int, max_motions: int, rehearsed: int = 0
 ) -> Run:
     """Make one run of a case by this servo."""
-    law = law_of(servo, [seed, number], max_motions, restarts)
+    law = own_servo(servo)
     settings = settings if law else msgspec.structs.replace(settings, servo=servo)
-    draw = Draw(settings, number, seed, case.generator(seed, number), law, rehearsed)
+    draw = Draw(settings, number, seed, case.generator(seed, number), law, max_motions)
     session = case.open(draw)
     if rehearsed:
         session.calibrate(rehearsed, number)
@@ -251,7 +238,7 @@ def run_one(group: Group, name: str, number: int, seed: int = 0, **changes: Any)
     (case,) = [case for case in group.cases if case.name == name]
     ((transfer, servo), *_) = group.methods(None, ())
     settings = msgspec.structs.replace(group.settings, transfer=transfer, **changes)
-    return run_once(case, settings, servo, seed, number, case.max_motions, 0, group.restarts)
+    return run_once(case, settings, servo, seed, number, case.max_motions)
 
 
 def run_cases(
@@ -267,15 +254,17 @@ def run_cases(
     rehearsed: int = 0,
     progress: Callable[[float], None] = lambda share: None,
 ) -> list[Run]:
-    """Make the runs of these cases by every transfer and servo, from the same draws. Raises StudyError."""
+    """Make the runs of these cases by every transfer and servo that can, from the same draws. Raises StudyError."""
     settings, tasks = settings or group.settings, []
     for case in cases:
         for transfer, servo in methods or group.methods(None, ()):
+            if cannot_run(case, servo):
+                continue
             changed = msgspec.structs.replace(settings, transfer=transfer)
             most = case.max_motions if max_motions is None else max_motions
             count = runs or group.runs
             for number in range(min(count, case.max_runs or count)):
-                tasks.append((case, changed, servo, seed, number, most, rehearsed, group.restarts))
+                tasks.append((case, changed, servo, seed, number, most, rehearsed))
     return study.map(run_once, tasks, progress)
 
 

@@ -11,7 +11,6 @@ from ...servo import ServoStatus
 from .engine import FALSE_DEG, N_SIGMA, N_SIGMA_COVERED, NEAR_DEG, Run, Summary, arrives
 from .intervals import Interval
 
-MARKS = "<!-- begin of the table -->", "<!-- end of the table -->"
 NEEDED = ("case", "run", "servo", "motions", "status", "error_deg", "expected_deg", "E_px2")
 COLUMNS = ("transfer", "reason", "travel_deg", "cpu_s", "ended", "kept", "joint_errors_deg")
 
@@ -163,13 +162,3 @@ def _run(line: dict[str, str]) -> Run:
         measures={name: float(value) for name, value in line.items() if value and name not in known},
     )
     return replace(run, kept=line["kept"] == "1" if "kept" in line else arrives(run))
-
-
-def write_between_marks(text: str, page: Path) -> None:
-    """Replace what is between the MARKS of a page. Raises OSError, or ValueError for a page without them."""
-    begin, end = MARKS
-    before, found, rest = page.read_text("utf-8").partition(begin)
-    _, found_end, after = rest.partition(end)
-    if not (found and found_end):
-        raise ValueError(f"{page}: lacks the marks {begin} and {end}, between which the table is written")
-    page.write_text(f"{before}{begin}\n\n{text}\n\n{end}{after}", "utf-8")

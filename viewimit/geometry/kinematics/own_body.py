@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..rectification import Rectification
-from .adjustment import MIN_POINTS, NEAR_RAD, NOISE_SLACK, BundleAdjustment, is_of_parallel_cameras
+from .adjustment import MIN_POINTS, NEAR_RAD, BundleAdjustment, is_of_parallel_cameras
 from .bundle import levenberg_marquardt
 from .chains import first_chains, with_likely_chains
 from .clusters import Observations
@@ -53,14 +53,13 @@ class OwnBody:
         return BundleAdjustment.of(self.kinematics, self.seen, self.noise_px).restricted_to_known(self.kinematics)
 
     @property
-    def variance(self) -> float:
-        """Px², of an image coordinate, by what the body leaves; the measured noise bounds it from below."""
-        return max(self.cost / max(self.problem.degrees_of_freedom, 1), (self.noise_px / NOISE_SLACK) ** 2)
+    def here(self) -> Array:
+        """(m,) rad: where the arm is."""
+        return self.seen.displacement[-1]
 
     def to_reach(self, sent: Array, target: Array) -> Array:
         """Return where to send the arm next to reach a target, (m,) rad each. sent: where it was sent last."""
-        here = self.seen.displacement[-1]
-        return Shortfall(self.share).to_reach(here, target) if self.share else sent + (target - here)
+        return Shortfall(self.share).to_reach(self.here, target) if self.share else sent + (target - self.here)
 
 
 def learn(

@@ -48,23 +48,25 @@ REFUSED = {
     Meaning.NO_PIXELS: "no pixels. Write x and y in pixels",
 }
 _POINT = "(?:is|was|points?|keypoints?|kpts?|kp|joints?|markers?|nodes?|bodyparts?|landmarks?|pred(?:icted)?|label)*"
-_SEEN = "visibles?|visibility|visibilities|vis|seen|present|presence|valid|detected|found|inlier|inview"
-_DEGREE = "(?:flags?|masks?|values?|scores?|prob|probability|conf|confidence|levels?)?"
+_SEEN = "visibles?|visibility|visibilities|vis|seen|present|presence|valid|detected|found|inlier|tracked|"
+_SEEN += "trackingstat(?:e|us)|in(?:view|frame|image|picture)"
+_LOST = "occluded|occlusions?|hidden|missing|lost|absent|outliers?|outside|excluded|"
+_LOST += "out(?:of)?(?:view|frame|image|picture)"
+_DEGREE = "(?:flags?|masks?|values?|scores?|prob|probability|conf|confidence|levels?|stat(?:e|us)|percent|pct)?"
 NAMES = {  # of columns, in lower case without punctuation; % reads percent
     Meaning.FRAME: "frames?|frame(?:idx|index|id|no|num|number)|image|image(?:id|idx|index)|t",
     Meaning.PICTURE: "image(?:name|file)|img|picture|filename|slice",
     Meaning.VIEW: "view",
     Meaning.POINT: "points?|point(?:id|name)|name|id|keypoint|keypoint(?:id|name)|bodyparts?|node|nodename|trackid|"
-    "point3did|classid|marker|markerid|label",
+    "point3did|classid|marker|markerid|label|particle|tag|tagid",
     Meaning.PART: "landmark|landmark(?:id|name)|joint|joint(?:id|name)|part",
     Meaning.X: "x|xpx|x?u|upx|ptx|px|posx|positionx|x(?:in)?pixels?",
     Meaning.Y: "y|ypx|y?v|vpx|pty|py|posy|positiony|y(?:in)?pixels?",
     Meaning.TIME: "(?:time|timestamps?|stamp|ts)(?:in)?(?:s|ms|us|ns|secs?|seconds|nsecs?)?",
-    Meaning.HIDDEN: f"{_POINT}(?:occluded|occlusions?|hidden|invisible|invisibility|missing|lost|absent|outliers?|"
-    f"outside|unseen|undetected|invalid|excluded|(?:not|non)(?:{_SEEN})){_DEGREE}",
-    Meaning.VISIBLE: f"{_POINT}(?:{_SEEN}){_DEGREE}",
+    Meaning.HIDDEN: f"{_POINT}(?:{_LOST}|(?:not|non|un|in)(?:{_SEEN})){_DEGREE}",
+    Meaning.VISIBLE: f"{_POINT}(?:{_SEEN}|(?:not|non|un)(?:{_LOST})){_DEGREE}",
     Meaning.CONFIDENCE: f"{_POINT}(?:confidences?|conf|likelihoods?|scores?|probability|probabilities|prob|certainty|c)"
-    "(?:scores?|values?|levels?)?",
+    "(?:scores?|values?|levels?|percent|pct)*",
     Meaning.UNIT: "(?:xy|coordinates?|coords?)?units?",
     Meaning.SPACE: "(?:pos(?:ition)?|pt|p|world|cam(?:era)?)?z(?:3d|mm|cm|m|px|pixels?|world|norm)?|"
     "(?:point|keypoint)?depths?(?:mm|cm|m)?",
@@ -76,8 +78,8 @@ NAMES = {  # of columns, in lower case without punctuation; % reads percent
 PATTERNS = {meaning: re.compile(pattern) for meaning, pattern in NAMES.items()}
 PIXELS = ("", "px", "pix", "pixel", "pixels")  # of a column of units
 YES, NO = ("true", "t", "yes", "y", "on"), ("false", "f", "no", "n", "off")
-HIDDEN_WORDS = PATTERNS[Meaning.HIDDEN]
-VISIBLE_WORDS = re.compile(f"{_SEEN}|ok|good|certain|visibly")
+HIDDEN_WORDS = re.compile(f"{NAMES[Meaning.HIDDEN]}|out")
+VISIBLE_WORDS = re.compile(f"{_SEEN}|in|ok|good|certain|visibly")
 
 
 def plain_name(name: str) -> str:

@@ -13,7 +13,7 @@ from ..files import MAX_NAME_CHARS, escape
 NAMED = 6  # names in one list of a message
 MAX_COMPARED = 60  # names whose spellings are compared
 NEAR = 0.7  # of difflib's ratio
-BETWEEN_DIGITS = re.compile(r"(?<=\d)[\s_-]+(?=\d)")
+BETWEEN_DIGITS = re.compile(r"(?<=\d)[\s_.-]+(?=\d)")
 WHOLE = re.compile(r"(\d+)\.0*(?:[eE]\+?0+)?|(\d)\.(\d*?)0*[eE]\+?(\d{1,2})")
 
 
@@ -26,9 +26,9 @@ def point_name(text: str) -> str:
 
 
 def spelling_key(name: str) -> str:
-    """Return what equal names have in common: all but case, blanks, underscores and hyphens, but between digits."""
+    """Return what equal names have in common: all but case, blanks, underscores, hyphens and dots between letters."""
     name = BETWEEN_DIGITS.sub("/", unicodedata.normalize("NFKC", name).casefold().strip())
-    return re.sub(r"[\s_-]", "", name) or name
+    return "".join(one for one in name if one not in "_-." and not one.isspace() and one.isprintable()) or name
 
 
 def same_names(names: Mapping[str, Sequence[str]]) -> dict[str, str]:

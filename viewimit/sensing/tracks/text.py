@@ -27,7 +27,8 @@ MAX_LINE = 1 << 20  # characters
 MAX_BYTES = 1024 * MEGABYTE  # rows are kept in a few bytes each
 SEPARATORS = ",;\t"
 SAID_SEPARATOR = re.compile(r'"?sep=(,|;|\t|\\t)"?', re.IGNORECASE)  # a first line of spreadsheets
-MISSING = ("nan", "na", "n/a", "null", "none")  # of a number that is not there
+MISSING = ("nan", "-nan", "na", "n/a", "#n/a", "<na>", "null", "none", "-", "--")  # of a number that is not there
+COMMENT = ("#", "%", "//")  # in front of a line
 COLUMNS = ("frame", "view", "point", "x", "y", "confidence")  # of a table of all four views
 REQUIRED = (Meaning.POINT, Meaning.X, Meaning.Y)
 PICTURE_NAME = re.compile(r"\.(?:png|jpe?g|tiff?|bmp|gif|avi|mp4)\b", re.IGNORECASE)
@@ -68,9 +69,9 @@ class Table:
                     if not cells or not (cells[0] or any(map(str.strip, cells))):
                         continue
                     if line == self._begins:
-                        cells[0], columns = cells[0].lstrip("# "), len(cells)
+                        cells[0], columns = cells[0].lstrip("#%/ "), len(cells)
                         of_points = meaning_of(cells[0]) is Meaning.POINT  # whose names may begin with #
-                    elif cells[0].lstrip().startswith("#") and not (of_points and len(cells) == columns):
+                    elif cells[0].lstrip().startswith(COMMENT) and not (of_points and len(cells) == columns):
                         self.skipped += 1
                         continue
                     yield line, cells
@@ -88,7 +89,8 @@ class Table:
     def require_count(self, line: int, cells: list[str], columns: int) -> None:
         """Raise ValueError for a line that has another number of cells."""
         if len(cells) != columns:
-            hint = "; with decimal commas separate columns by ;" if self._separator == "," else ""
+            commas = self._separator == "," and len(cells) > columns
+            hint = "; with decimal commas separate columns by ;" if commas else ""
             raise ValueError(f"{self.path}: line {line}: {len(cells)} cells, but {columns} columns{hint}")
 
     def number(self, line: int, column: str, text: str, empty: float) -> float:
@@ -169,7 +171,7 @@ class Table:
                     if said := SAID_SEPARATOR.fullmatch(text):
                         separator = "\t" if said[1] == "\\t" else said[1]
                         continue
-                    if text.lstrip().startswith("#"):
+                    if text.lstrip().startswith(COMMENT):
                         comment = (number, text)
                         continue
                     if comment is not None and not _is_heading(text) and _is_heading(comment[1]):
@@ -191,7 +193,7 @@ def _most_frequent(line: str) -> str:
 
 def _is_heading(line: str) -> bool:
     """Whether a line names columns x and y, or is the first of a pose tracker's."""
-    names = [name.strip(' "#') for name in re.split("[,;\t]", line)]
+    names = [name.strip(' "#%/') for name in re.split("[,;\t]", line)]
     return {Meaning.X, Meaning.Y} <= {*map(meaning_of, names)} or names[0] == "scorer" or "frame_idx" in names
 
 
@@ -233,10 +235,7 @@ def read_plain(path: Path) -> Track:
     Without a column for the frame, all rows are of one frame. Raises ValueError that names the file, line and column,
     and OSError.
     """
-    tracks = _read_rows(path, REQUIRED)
-    if not tracks:
-        raise ValueError(f"{path}: no point in any frame")
-    return tracks[""]
+    return _read_rows(path, REQUIRED)[""]
 
 
 def _read_rows(path: Path, required: Sequence[Meaning]) -> dict[str, Track]:
@@ -249,7 +248,10 @@ def _read_rows(path: Path, required: Sequence[Meaning]) -> dict[str, Track]:
     read, nameless = _rows_by_view(table, lines, heading, columns)
     unread = [name_unread("column", columns.unread)]
     unread += [f"{nameless} row{'s' if nameless > 1 else ''} without a name of a point"] if nameless else []
-    unread += [f"{table.skipped} line{'s' if table.skipped > 1 else ''} with # in front"] if table.skipped else []
+    comments = f"{table.skipped} line{'s' if table.skipped > 1 else ''} of comment" if table.skipped else ""
+    if not read:
+        raise ValueError(f"{path}: no row of a point below the heading{comments and f', but {comments}'}")
+    unread += [comments] if comments else []
     point_column = heading[columns.at[Meaning.POINT]]
     _require_names(f"{path}: column {point_column}", read)
     tracks = {}

@@ -112,10 +112,11 @@ class TrackedPoints:
         if not all(map(len, shown)):
             return None
         low, high = (float(edge) for edge in np.percentile(np.concatenate(shown), MOST))
+        if max(high, -low) <= PERCENT:
+            within = f"{0 if low >= 0 else -PERCENT} … {PERCENT}"
+            return f"nearly all x and y are in {within}: if these are percent, degrees or millimetres, write pixels"
         if low < 0:
             return None
-        if high <= PERCENT:
-            return f"nearly all x and y are in 0 … {PERCENT}: if these are percent, multiply by the picture's size"
         if high <= OWN_GRID:
             grid = f"in 0 … {OWN_GRID}: if this is the grid of a tracker such as TAPIR"
             return f"nearly all x and y are {grid}, scale them to the picture's size"
@@ -129,9 +130,11 @@ class TrackedPoints:
                 continue
             shown = self.image[view][seen]
             low, high = np.percentile(shown, MOST, axis=0)
-            if 0 < (span := (high - low).max()) < MIN_SPAN:
+            spans, farthest = high - low, np.abs([low, high]).max(0)
+            few = spans[(spans > 0) & (spans < MIN_SPAN) & ((spans.max() < MIN_SPAN) | (farthest < MIN_SPAN))]
+            if len(few):
                 raise ValueError(
-                    f"{where}x and y are no pixels: in {VIEW_NAMES[view]} the body spans {span:.2g} units. "
+                    f"{where}x and y are no pixels: in {VIEW_NAMES[view]} the body spans {few.max():.2g} units. "
                     "Multiply shares of the picture, 0 … 1, by its width and height. Make shares of -1 … 1 first, by "
                     "(1 + x) / 2. Multiply units of the focal length by that, and add the centre"
                 )
@@ -222,7 +225,7 @@ def with_seen(where: str, track: Track, seen: Mapping[Meaning, NDArray[np.float6
         wrong = there & np.isfinite(values) & ((values > upto) | ((values < 0) & (meaning is Meaning.HIDDEN)))
         if wrong.any():
             t, n = np.argwhere(wrong)[0]
-            remedy = "divide percentages by 100, and write 1 / (1 + exp(-x)) for a logit x"
+            remedy = "write 1 or 0, or a share: divide percentages by 100, and write 1 / (1 + exp(-x)) for a logit x"
             raise ValueError(
                 f"{where}: frame {track.frames[t]}, point {escape(track.points[n], MAX_NAME_CHARS)}: "
                 f"{meaning.value} {values[t, n]:g} is not in 0 … 1: {remedy}"

@@ -34,7 +34,6 @@ DOES = {
     Purpose.ARRIVE: "It goes to the likeliest pose.",
     Purpose.FOLLOW: "It follows the demonstrator, whose place it knows.",
     Purpose.NEAREST: "It goes to the smallest E, because the pictures leave a joint open.",
-    Purpose.REST: "",
 }
 HYPOTHESES = {
     MisfitKind.ANOTHER_BODY: "another body",
@@ -43,6 +42,7 @@ HYPOTHESES = {
     MisfitKind.TWO_HEADS: "another head",
     MisfitKind.MIRRORED: "a mirror image",
     MisfitKind.LENS: "a lens",
+    MisfitKind.NEARLY_FLAT: "none, as the points lie too near a plane",
     MisfitKind.NONE: "none of the known ones",
 }
 
@@ -60,7 +60,7 @@ def equations(state: EstimatorState | None, motion: LastMotion) -> tuple[Equatio
     likelihood = Equation("", "all pictures, one likelihood", _LIKELIHOOD, note=note, wide=True)
     text = PURPOSES.get(state.purpose, "") if motion.moved.any() else ""
     note = text.format(step=angles(motion.moved))
-    if state.certificate is None or not np.isfinite(error := state.certificate.simultaneous_std_error):
+    if state.certificate is None or not np.isfinite(error := state.certificate.std_error.max()):
         return likelihood, Equation("", "rule: the least expected loss", _RULE, note=note, wide=True)
     latex = rf"{_RULE},\quad\varepsilon={HOLE}"
     numbers = (number(float(np.degrees(error)), 2) + "°",)

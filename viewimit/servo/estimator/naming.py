@@ -111,7 +111,7 @@ def find_naming(
     for n_out in range(left_out + 1):
         found = search.best(n_out)
         if found is not None and found.accepted:
-            return search.with_rival(search.with_points(found), ACCEPT)
+            return search.with_rival(search.with_points(found))
         if found is not None and (best is None or found.E / found.E_noise < best.E / best.E_noise):
             best = found
     return best
@@ -384,11 +384,8 @@ class _Search:
         names = names[self.placed]
         return np.where(names < 0, -1, np.searchsorted(self.shown, np.maximum(names, 0)))
 
-    def with_rival(self, found: Naming, share: float) -> Naming:
-        """Look for other names of the reliable points that explain the images in another posture: the best of them.
-
-        share: of the E of the naming, or of noise, that the other answer may leave.
-        """
+    def with_rival(self, found: Naming) -> Naming:
+        """Look for other names of the reliable points that explain the images in another posture: the best of them."""
         names = self.inner(found.names)
         own = np.flatnonzero((names >= 0) & self.reliable)
         own_hats = hat_matrix(self.kinematics.affine_coordinates(self.predict(self.postures)[:, own]))
@@ -398,7 +395,7 @@ class _Search:
             if (other[own] == names[own]).all():
                 continue
             rival = self.refine(other, self.postures[g])
-            if rival is not None and rival.E < share * max(found.E, found.E_noise, rival.E_noise):
+            if rival is not None and rival.E < ACCEPT * max(found.E, found.E_noise, rival.E_noise):
                 answers = self.with_answers(found, rival)
                 if answers.is_ambiguous and rival.E < least:
                     found, least = answers, rival.E
@@ -410,7 +407,7 @@ class _Search:
         same = (rival.names == found.names) | (rival.names < 0)
         if same.all() or distance < APART:
             return found
-        return replace(found, rival=rival.names, rival_displacement=rival.displacement)
+        return replace(found, rival=rival.names)
 
 
 def _squared_distances(own_rows: Array, demo_rows: Array) -> Array:

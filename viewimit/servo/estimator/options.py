@@ -1,4 +1,4 @@
-"""All constants that tune the estimator. Angles are in radians; what is not an angle has its unit beside it."""
+"""The options of the estimator. Angles are in radians; what is not an angle has its unit beside it."""
 
 from dataclasses import dataclass
 
@@ -25,11 +25,11 @@ class EstimatorOptions:
     looks: tuple[int, ...] = (1, 2, 4, 8)  # that are foreseen from one place
     next_look: float = _deg(6.0)  # way between looks about one place
     nearest: float = _deg(2.0)  # from all visits: a nearer place shows nothing new
-    farthest: float = _deg(30.0)  # from all visits: a farther place shows no more
+    farthest: float = _deg(115.0)  # from all visits: a farther place shows no more
 
     # Motions
     exploring: int = 6  # motions a joint to lessen the expected error, at most
-    exploring_unexplained: int = 3  # motions a joint while no hypothesis fits, at most
+    exploring_unexplained: int = 4  # motions a joint while no hypothesis fits, at most
     growing: int = 4  # motions a joint while no body is known, at most
     most: int = 9  # motions a joint after the probes, all in all
     max_visits: int = 60  # that are remembered
@@ -38,7 +38,7 @@ class EstimatorOptions:
     # Hypotheses
     max_sigmas: float = MAX_SIGMAS  # standard deviations; the right hypothesis contradicts by more once in a thousand
     max_limit_sigmas: float = 3.0  # expected errors beyond a joint limit, from which it excludes the posture
-    max_std_per_px: float = _deg(20.0)  # rad/px: a joint that noise of 1 px turns by more is unobservable
+    max_std_per_unit: float = _deg(20.0)  # turned by noise of an image unit, about 1 px: more is unobservable
     grid: int = 9  # postures a joint, of one or two, that the search for the demonstrator's begins with
     samples: int = 64  # postures, of three joints or more
     starts: int = 5  # of these that are refined

@@ -16,6 +16,7 @@ Schwarz, "Estimating the dimension of a model", Annals of Statistics 6, 1978.
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,10 +29,11 @@ from ...geometry.kinematics.two_bodies import MAX_ITER, SAME, BodyPair, Differen
 from ..least_squares import posture_grid
 from ..misfit import LinkChange, Misfit, MisfitKind
 from ..observation import Observation
-from .pair_fit import MAX_SIGMAS, CommonAdjustment, PairFit, PostureEstimate, fit_same_body
+from .pair_fit import FEW_STEPS, MAX_SIGMAS, CommonAdjustment, PairFit, PostureEstimate, fit_same_body
 
 Array = NDArray[np.float64]
 FEW_ITER = 4  # steps that show which points fit best
+N_FINISHED = 2  # reasons that are fitted to the end, after few steps of each
 FD_STEP = 1e-6  # of differences of a link's length
 N_FUNDAMENTAL = 7  # unknowns of a fundamental matrix, which a rectification rests on
 MAX_REASON_SIGMAS = 3.72  # as MAX_SIGMAS, of a reason why another body differs: once in ten thousand
@@ -63,6 +65,11 @@ class Candidate:
     criterion: float
     points: tuple[int, ...] = ()
     amount: float | None = None
+
+    def finished(self) -> "Candidate":
+        """The same reason, fitted to the end."""
+        fit = self.adjustment.fit(self.fit.pair)
+        return replace(self, fit=fit, criterion=self.criterion - self.fit.raised + fit.raised)
 
 
 def explain(
@@ -116,7 +123,10 @@ class Reasons:
 
     def best(self) -> tuple[Explanation, Candidate]:
         """Return the reason with the least criterion; `MisfitKind.NONE` if noise does not explain what it leaves."""
-        best, *others = sorted(self.all(), key=lambda one: one.criterion)
+        criterion = attrgetter("criterion")
+        found = sorted(self.all(), key=criterion)
+        hopeful = [one.finished() for one in found[:N_FINISHED]]
+        best, *others = sorted([*hopeful, *found[N_FINISHED:]], key=criterion)
         estimate = best.adjustment.estimate(best.fit)
         if best.kind is MisfitKind.NONE or best.fit.sigmas >= MAX_REASON_SIGMAS:
             return Explanation(Misfit(MisfitKind.NONE), estimate, 0.0), best
@@ -125,10 +135,12 @@ class Reasons:
         return Explanation(Misfit(best.kind, best.points, links, best.amount), estimate, float(margin)), best
 
     def all(self) -> Iterator[Candidate]:
-        """Yield each reason with its best fit."""
+        """Yield each reason with its best fit after few steps."""
         other_head = _fit_other_head(self.adjustment, self.same.pair)
         yield self._candidate(MisfitKind.TWO_HEADS, other_head)
-        yield self._candidate(MisfitKind.ANOTHER_BODY, _fit_another_body(self.adjustment, self.same.pair, other_head))
+        yield self._candidate(
+            MisfitKind.ANOTHER_BODY, _fit_another_body(self.adjustment, self.same.pair, other_head, FEW_STEPS)
+        )
         yield from self._points()
         mirrored = self._mirrored()
         if mirrored is not None:
@@ -162,7 +174,7 @@ class Reasons:
                 yield freed(min((freed(points, FEW_ITER) for points in choices), key=lambda one: one.criterion).points)
 
     def _with_points(
-        self, kind: MisfitKind, choices: int, points: tuple[int, ...], max_iter: int = MAX_ITER
+        self, kind: MisfitKind, choices: int, points: tuple[int, ...], max_iter: int = FEW_STEPS
     ) -> Candidate:
         start = self.same.pair.with_difference(Difference(points=points))
         return self._candidate(kind, self.adjustment.fit(start, max_iter), points, choices)
@@ -218,14 +230,16 @@ class Reasons:
 
 
 def _fit_other_head(adjustment: CommonAdjustment, same: BodyPair) -> PairFit:
-    return adjustment.fit(same.with_difference(Difference(other_head=True)))
+    return adjustment.fit(same.with_difference(Difference(other_head=True)), FEW_STEPS)
 
 
-def _fit_another_body(adjustment: CommonAdjustment, same: BodyPair, other_head: PairFit) -> PairFit:
+def _fit_another_body(
+    adjustment: CommonAdjustment, same: BodyPair, other_head: PairFit, max_iter: int = MAX_ITER
+) -> PairFit:
     """Fit another body, from the pair of like bodies and from that of another head: it absorbs more of what differs."""
     other = other_head.pair
     starts = same, replace(other, parameters=other.parameters[:-N_FRAME], difference=SAME)
-    fits = [adjustment.fit(start.with_difference(Difference(shifted=True))) for start in starts]
+    fits = [adjustment.fit(start.with_difference(Difference(shifted=True)), max_iter) for start in starts]
     return min(fits, key=lambda fit: fit.raised)
 
 

@@ -71,7 +71,7 @@ def choose(
     target: (m,) rad, the estimate within the limits; may_explore: whether looks elsewhere are left; unexplained:
     whether no hypothesis fits.
     """
-    here, max_step = body.seen.displacement[-1], see.max_step
+    here, max_step = body.here, see.max_step
     end = lambda std: loss(np.hypot(std, body.slack), options)  # where a loose arm ends is as uncertain as the arm
     stay = loss(np.hypot(best.std, np.abs(target - here)).max(), options)
     go = end(best.std.max()) + cost(target - here, max_step, options)
@@ -102,7 +102,7 @@ def candidates(
 
     Also how far each is from all visits, (c,), in `EstimatorOptions.farthest`, at most 1.
     """
-    here, m = body.seen.displacement[-1], len(target)
+    here, m = body.here, len(target)
     rng = np.random.default_rng([see.seed, see.motion, m])
     signs = rng.choice(SIGNS, (ABOUT[m > 2], m))
     on_way = here + np.array(ON_WAY)[:, None] * (target - here)

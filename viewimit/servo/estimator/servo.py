@@ -55,8 +55,8 @@ class Estimator:
         """Return the state after the demonstrator moved: the body stays."""
         best = None if state.best is not None and state.best.explanation is not None else state.best
         return replace(
-            state, best=best, n_explored=0, n_moved=0, went_nearest=False, certificate=None, misfit=None, moved=True,
-            probe=False, status=ServoStatus.MOVING,
+            state, best=best, n_explored=0, n_moved=0, n_naming_motions=0, went_nearest=False, certificate=None,
+            misfit=None, moved=True, probe=False, status=ServoStatus.MOVING,
         )  # fmt: skip
 
     def step(self, state: EstimatorState, observation: Observation, residuals: ResidualFunction) -> Outcome:
@@ -124,7 +124,7 @@ class Estimator:
     def _decide(self, state: EstimatorState, best: Estimate, evidence: Evidence) -> Outcome:
         """Go where the rule says, or rest, and claim if the best hypothesis allows it."""
         see, body, options = evidence.see, evidence.body, self.options
-        here, m = body.seen.displacement[-1], len(see.lower)
+        here, m = body.here, len(see.lower)
         best, choice = self._chosen(state, best, evidence)
         noise, fits = evidence.noise_px, best.fits(options)
         open_joints = best.open_joints(options, noise)
@@ -133,7 +133,7 @@ class Estimator:
         goes = not lost or (choice.explores and not state.went_nearest)
         place = choice.place if goes and state.n_moved < options.most * m else None
         error = std if place is not None else np.hypot(std, np.abs(best.theta - here))
-        state = replace(state, best=best, certificate=Certificate(error, error / (noise * state.unit_px)))
+        state = replace(state, best=best, certificate=Certificate(error, best.std_per_unit(noise) / state.unit_px))
         if place is not None:
             n_explored = state.n_explored + choice.explores
             purpose = Purpose.LOOK if choice.explores else Purpose.ARRIVE
@@ -219,13 +219,13 @@ class Estimator:
 
     def _named(self, state: EstimatorState, body: OwnBody, see: Observation) -> Outcome:
         """Name the demonstrator's points; without success look from elsewhere."""
-        here = body.seen.displacement[-1]
+        here = body.here
         model = KnownBody(body.kinematics, body.seen, max(see.noise_px, LEAST_MOTION))
         found = find_naming(see.demonstrator[0], model, see.lower, see.upper, see.seed)
         state = replace(state, naming=None if found is None else found.per_pixel(state.unit_px))
         if found is not None and found.accepted:
             return replace(state, purpose=Purpose.NAME), np.zeros_like(here)
-        if state.n_explored < NAMING_MOTIONS:
+        if state.n_naming_motions < NAMING_MOTIONS:
             state = replace(state, n_naming_motions=state.n_naming_motions + 1)
             return self._grow(state, see, Purpose.NAME)
         return rest(replace(state, purpose=Purpose.NAME), see, ServoStatus.NO_PROGRESS)
@@ -265,7 +265,7 @@ def nearest(
     state: EstimatorState, body: OwnBody | None, see: Observation, place: Displacement, status: ServoStatus
 ) -> Outcome:
     """Go to a posture once, and rest there."""
-    here = see.displacement if body is None else body.seen.displacement[-1]
+    here = see.displacement if body is None else body.here
     if state.went_nearest or np.abs(place - here).max() < SAME_PLACE:
         return rest(state, see, status)
     return moved(replace(state, purpose=Purpose.NEAREST, went_nearest=True), body, see, place)

@@ -32,7 +32,6 @@ class Purpose(str, Enum):
     ARRIVE = "arrive"  # to the estimate
     FOLLOW = "follow"  # to where a moving demonstrator will be
     NEAREST = "nearest"  # to the least E, because the images leave a joint open
-    REST = "rest"  # no motion
 
 
 @dataclass(frozen=True)
@@ -57,7 +56,7 @@ class EstimatorState:
     status: ServoStatus = ServoStatus.MOVING
     probe: bool = False  # whether the last motion was made to learn from it
     moved: bool = False  # whether the demonstrator has moved by itself since the last motion
-    streak: int = 0  # motions in a row before which it did
+    streak: int = 0  # motions in a row, before each of which it did
     trail: tuple[tuple[NDArray[np.float64], Displacement], ...] = ()  # its images and angles meanwhile, newest last
 
     @property
@@ -73,7 +72,10 @@ class EstimatorState:
         return Observations(displacement, own, np.all([visit.seen for visit in self.visits], -1))
 
     def recorded(self, see: Observation, options: EstimatorOptions) -> tuple["EstimatorState", bool]:
-        """Add what is seen; also return whether it is new. Of two looks from one posture the later one stays."""
+        """Add what is seen; also return whether it is new.
+
+        A look from where the last one was made replaces it; without noise, one from any earlier posture, too.
+        """
         state = replace(self, status=ServoStatus.MOVING, probe=False)
         here = Visit.of(see.displacement, see.own, see.seen)
         last = self.visits[-1] if len(self.visits) > self.n_calibration else None

@@ -1,30 +1,21 @@
-"""Make one mesh for the base and for each joint of an arm, of all shapes that it moves, and cache the meshes.
+"""Make one mesh for the base and for each joint of an arm, of all shapes that it moves.
 
-Links without shapes are drawn as rods between joints. Reading and simplifying meshes takes seconds, so the result is
-kept in the user's cache folder, under a digest of everything it was made from. A file that changes makes a new
-entry, a damaged entry is made again, and the oldest entries are removed.
+Links without shapes are drawn as rods between joints.
 """
 
-import contextlib
-import hashlib
-import importlib.metadata
-import os
-import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import lru_cache
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
-import platformdirs
 import trimesh
 from numpy.typing import NDArray
 
-from ...sensing.files import MEGABYTE, read_bytes, read_npz
 from ..meshes import Mesh
 from .chain import Chain, carrier_frames, find_arm, held_links
-from .mesh_files import MAX_BYTES, MAX_LINK_FACES, NotFound, creased, load_mesh, mesh_path, simplified
+from .mesh_files import MAX_LINK_FACES, NotFound, creased, load_mesh, mesh_path, simplified
 from .reference import Reference
 from .tree import Shape, Tree, read_tree
 
@@ -34,13 +25,9 @@ MAX_LISTED = 3  # names of what is not drawn for one reason
 ROD_RADIUS = 0.035  # of the arm's length, as the next two
 MIN_ROD = 0.05  # nearer joints have no rod between them
 STUB = 0.12  # length of a rod that leads nowhere
-FOLDER = "VIEWIMIT_CACHE"  # environment variable: another folder, or none if it is empty
-MAX_CACHED, MAX_CACHED_BYTES = 40, 128 * MEGABYTE
-READERS = ("numpy", "trimesh", "pycollada")  # packages whose version is part of the digest
 
 Floats = NDArray[np.float64]
 Meshes = dict[int, Mesh]  # by link number
-Made = tuple[Meshes, dict[int, int], list[str]]  # as of `Shapes`
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,15 +59,8 @@ def shapes_of(reference: Reference) -> Shapes:
 
 @lru_cache(8)
 def load_shapes(tree: Tree, reference: Reference) -> Shapes:
-    """Return the meshes of an arm in a URDF that has been read, from the cache if they are there."""
-    files = dict.fromkeys(shape.file for shapes in tree.shapes.values() for shape in shapes if shape.kind == "mesh")
-    key = _cache_key(tree.digest, reference, files) if files else None  # other shapes take no time
-    found = _load_cached(key) if key else None
-    if found is None:
-        found = _make_meshes(tree, reference)
-        if key:
-            _store_cached(key, *found)
-    meshes, n_held, missing = found
+    """Return the meshes of an arm in a URDF that has been read."""
+    meshes, n_held, missing = _make_meshes(tree, reference)
     lines = [f"{tree.path}: not drawn: {fault}" for fault in missing]
     return Shapes(meshes, n_held, (*tree.faults, *lines, *_implausible_size(tree, reference, meshes)))
 
@@ -100,7 +80,7 @@ def _implausible_size(tree: Tree, reference: Reference, meshes: Meshes) -> list[
     ]
 
 
-def _make_meshes(tree: Tree, reference: Reference) -> Made:
+def _make_meshes(tree: Tree, reference: Reference) -> tuple[Meshes, dict[int, int], list[str]]:
     """Meshes by link number, how many of their faces the arm holds, and a message for each reason to draw no more."""
     arm = find_arm(tree, reference.base, reference.tip)
     frames = carrier_frames(tree, arm)
@@ -227,105 +207,3 @@ def foot(top: Floats, length: float) -> trimesh.Trimesh:
     mesh = trimesh.creation.box((0.25 * length, 0.18 * length, 0.12 * length))
     mesh.apply_translation(top - [0, 0, 0.06 * length])
     return mesh
-
-
-def _cache_key(content: str, reference: Reference, files: Iterable[str]) -> str:
-    """Digest of everything that the meshes depend on.
-
-    content: digest of the URDF; files: meshes, as the URDF names them.
-    """
-    key = hashlib.sha256(f"{_versions()}\0{content}\0{reference}".encode())
-    for name in files:
-        try:
-            found = hashlib.sha256(read_bytes(mesh_path(reference.path, name, reference.meshes), MAX_BYTES)).hexdigest()
-        except (NotFound, OSError, ValueError) as error:
-            found = str(error)
-        key.update(f"\0{name}\0{found}".encode())
-    return key.hexdigest()
-
-
-def _load_cached(key: str) -> Made | None:
-    """As `_make_meshes`; None if they are not cached."""
-    folder = _cache_folder()
-    path = None if folder is None else folder / f"{key}.npz"
-    if path is None or not path.is_file():
-        return None
-    try:
-        arrays = read_npz(path)
-        meshes = {int(link): _checked_mesh(arrays[f"v{link}"], arrays[f"f{link}"]) for link in arrays["links"]}
-        n_held = dict(zip(meshes, arrays["held"].tolist(), strict=True))
-        missing = [str(line) for line in arrays["unread"]]
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
-    with contextlib.suppress(OSError):
-        os.utime(path)  # the least recently used are removed first
-    return meshes, n_held, missing
-
-
-def _store_cached(key: str, meshes: Meshes, n_held: dict[int, int], missing: list[str]) -> None:
-    folder = _cache_folder()
-    if folder is None:
-        return
-    arrays = {"links": np.array(list(meshes), np.int32), "unread": np.array(missing, str)}
-    arrays["held"] = np.array([n_held[link] for link in meshes], np.int32)
-    for link, mesh in meshes.items():
-        arrays |= {f"v{link}": mesh.vertices, f"f{link}": mesh.faces.astype(np.int32)}
-    with contextlib.suppress(OSError):
-        folder.mkdir(0o700, parents=True, exist_ok=True)
-        with _atomic_write(folder / f"{key}.npz") as file:
-            np.savez(file, **arrays)  # type: ignore[arg-type]  # the stub takes no **
-        _remove_oldest(folder)
-
-
-@contextlib.contextmanager
-def _atomic_write(path: Path) -> Iterator[Any]:
-    """Open a file that appears only once it is complete."""
-    with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as file:
-        try:
-            yield file
-            file.close()
-            os.replace(file.name, path)
-        except BaseException:
-            file.close()  # Windows removes no open file
-            os.unlink(file.name)
-            raise
-
-
-def _remove_oldest(folder: Path) -> None:
-    found = sorted(
-        ((path.stat().st_mtime_ns, path.stat().st_size, path) for path in folder.glob("*.npz")), reverse=True
-    )
-    total = 0
-    for k, (_, size, path) in enumerate(found):
-        total += size
-        if k and (k >= MAX_CACHED or total > MAX_CACHED_BYTES):
-            path.unlink(missing_ok=True)
-
-
-def _checked_mesh(vertices: NDArray[Any], faces: NDArray[Any]) -> Mesh:
-    """Return a mesh. Raises ValueError for damaged arrays."""
-    flat = vertices.ndim == faces.ndim == 2 and vertices.shape[1] == faces.shape[1] == 3
-    if not (flat and len(faces) and np.isfinite(vertices).all() and 0 <= faces.min() <= faces.max() < len(vertices)):
-        raise ValueError("no mesh")
-    return Mesh(vertices, faces.astype(np.int64))
-
-
-@cache
-def _versions() -> str:
-    """Versions of the packages that read meshes, and a digest of this package's source."""
-    found = []
-    for name in READERS:
-        with contextlib.suppress(importlib.metadata.PackageNotFoundError):
-            found.append(f"{name} {importlib.metadata.version(name)}")
-    here = hashlib.sha256(b"\0".join(path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py"))))
-    return f"{found} {here.hexdigest()}"
-
-
-def _cache_folder() -> Path | None:
-    chosen = os.environ.get(FOLDER)
-    if chosen is not None:
-        return Path(chosen) if chosen else None
-    try:
-        return platformdirs.user_cache_path("viewimit", appauthor=False) / "shapes"
-    except RuntimeError:  # no home folder
-        return None

@@ -1,6 +1,5 @@
 """Read a URDF file into plain data: all of its joints and the shapes of its links."""
 
-import hashlib
 import re
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
@@ -118,7 +117,6 @@ class Tree:
     joints: tuple[TreeJoint, ...]
     shapes: Mapping[str, tuple[Shape, ...]]  # visual shapes by link; collision shapes if no link has visual ones
     faults: tuple[str, ...]  # messages about what is not understood, left out, or looks wrong
-    digest: str  # of the content
 
     @property
     def links(self) -> list[str]:
@@ -178,7 +176,7 @@ def _parsed(path: Path, content: bytes) -> Tree:
         shapes = {link.get("name", "?"): tuple(_read_shapes(path, link, tag, faults)) for link in links}
         if any(shapes.values()):
             break
-    return Tree(path, joints, shapes, tuple(faults), hashlib.sha256(content).hexdigest())
+    return Tree(path, joints, shapes, tuple(faults))
 
 
 def _parsed_xml(path: Path, content: bytes, faults: list[str]) -> ElementTree.Element:

@@ -24,16 +24,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...estimation.residuals import ResidualFunction
-from ...estimation.views import FourViews
-from ...geometry.rigid import rotation_about_axis
-from ...loop.session import Session
-from ...servo import Observation
-from ...servo.image_jacobian import MIN_STEP_RAD
-from ...servo.least_squares import minimise
-from ...servo.status import ServoStatus
-from ...simulation.camera import Camera, Cameras, triangulate
-from ...simulation.world import World
+from viewimit.estimation.residuals import ResidualFunction
+from viewimit.estimation.views import FourViews
+from viewimit.geometry.rigid import rotation_about_axis
+from viewimit.loop.session import Session
+from viewimit.servo import Observation
+from viewimit.servo.image_jacobian import MIN_STEP_RAD
+from viewimit.servo.least_squares import minimise
+from viewimit.servo.status import ServoStatus
+from viewimit.simulation.camera import Camera, Cameras, triangulate
+from viewimit.simulation.world import World
 
 GAIN = 1.0  # λ, per motion
 MAX_STEP_RAD = np.radians(25.0)  # of a joint, in one motion; as of the other laws
@@ -151,7 +151,7 @@ class CalibratedServo:
     session: Session
     model: World  # what the law is given; it may differ from the session's world
 
-    def __init__(self, oracle: Oracle, seed: Sequence[int]):
+    def __init__(self, oracle: Oracle, seed: Sequence[int] = ()):
         self.law, self._rotation_deg, self._seed = oracle.law, oracle.rotation_deg, seed
 
     def attach(self, session: Session) -> None:

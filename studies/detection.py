@@ -1,14 +1,15 @@
-"""How well markers are detected in rendered pictures."""
+"""How well markers are detected in rendered pictures: `python studies/detection.py`."""
 
-from collections.abc import Callable
+import argparse
 from dataclasses import dataclass
 
 import numpy as np
 
-from ...estimation.views import VIEWS
-from ...simulation.eyes import require_eyes
-from ...simulation.scene import load_scene
-from .intervals import rms
+from viewimit.estimation.views import VIEWS
+from viewimit.experiments.bench.intervals import rms
+from viewimit.simulation.eyes import require_eyes
+from viewimit.simulation.rendering import RenderedEyes
+from viewimit.simulation.scene import load_scene
 
 WRONG_DETECTION_PX = 3.0  # a marker's radius: a detection farther from its marker is of something else
 
@@ -31,15 +32,13 @@ class Detection:
     usable: tuple[int, float]  # fewest and median number of markers found in all four pictures
 
 
-def detect(scene: str, pairs: int, seed: int, progress: Callable[[float], None] = lambda share: None) -> Detection:
+def detect(scene: str, pairs: int, seed: int) -> Detection:
     """Detect markers in four pictures for each pair of random postures. Raises ValueError for a scene without."""
-    from ...simulation.rendering import RenderedEyes  # loads pybullet and OpenCV
-
     require_eyes("rendered", load_scene(scene))
     eyes, rng = RenderedEyes(load_scene(scene)), np.random.default_rng(seed)
     low, high = eyes.world.scene.lower, eyes.world.scene.upper
     offsets, sights, finds, usable = [], [], [], []
-    for k in range(pairs):
+    for _ in range(pairs):
         demo, own = rng.uniform(low, high, (2, len(low)))
         eyes.demo_images(demo)
         eyes.own_images(own)
@@ -51,7 +50,6 @@ def detect(scene: str, pairs: int, seed: int, progress: Callable[[float], None] 
             sights.append(in_sight)
             finds.append(eyes.detections[view].found)
         usable.append(int(np.all(finds[-len(VIEWS) :], 0).sum()))
-        progress((k + 1) / pairs)
     in_sight, found = np.array(sights), np.array(finds)
     errors = np.array(offsets)[found]
     distance = np.linalg.norm(errors, axis=-1)
@@ -74,7 +72,7 @@ def detect(scene: str, pairs: int, seed: int, progress: Callable[[float], None] 
     )
 
 
-def detection_table(found: Detection) -> str:
+def table(found: Detection) -> str:
     """Lay out the detection for people."""
     median, p95, p99, largest = found.error_px
     bias_x, bias_y = found.bias_px
@@ -87,3 +85,17 @@ def detection_table(found: Detection) -> str:
   of a coordinate              rms {found.rms_px:.3f} px, mean {bias_x:+.3f}, {bias_y:+.3f}
   false identities             {found.false} of {found.detections}
   in all four pictures         median {typical:.0f}, fewest {fewest}"""
+
+
+def main(words: list[str] | None = None) -> None:
+    """Print how well."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--scene", default="panda")
+    parser.add_argument("--runs", type=int, default=200, help="pairs of postures")
+    parser.add_argument("--seed", type=int, default=0)
+    asked = parser.parse_args(words)
+    print(table(detect(asked.scene, asked.runs, asked.seed)))
+
+
+if __name__ == "__main__":
+    main()

@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
+from restarts import Restarts, RestartState, far_postures
 
-from viewimit.experiments.bench.restarts import Restarts, RestartState, far_postures
 from viewimit.servo import Observation, ServoMethod, ServoStatus
 
 LIMIT = np.radians([90.0, 60.0])

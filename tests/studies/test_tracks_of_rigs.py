@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
+from tracks import CASES, HEIGHT, NOISE_PX, WIDTH, Case, draw, main, run
 
-from viewimit.commands.cli import main
 from viewimit.estimation.views import extents
-from viewimit.experiments.bench.tracks import CASES, HEIGHT, NOISE_PX, WIDTH, Case, draw, run
 from viewimit.geometry.fundamental import fit_fundamental, sampson_distance
 
 
@@ -36,7 +35,7 @@ def test_evaluate_leaves_images_so_that_points_held_out_are_predicted_best():
 
 
 def test_the_command_prints_shares_and_errors(capsys):
-    assert main(["bench", "tracks", "--runs", "2", "--case", "rectified, 12"]) == 0
+    main(["--runs", "2", "--case", "rectified, 12"])
     out = capsys.readouterr().out
     assert out.startswith("2 random tracks of a stereo rig a case, seed 0\n")
     assert "rectified, 12 points: rectified 0 % (0–66), matches alone would" in out and "  projective" in out

@@ -11,8 +11,8 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from ...estimation.residuals import ResidualFunction
-from ...servo import Observation, ServoMethod, ServoStatus
+from viewimit.estimation.residuals import ResidualFunction
+from viewimit.servo import Observation, ServoMethod, ServoStatus
 
 SMALL_E_NOISE = 25.0  # times the noise variance: E that is small
 SMALL_E_PX2 = 0.01  # without noise: a residual of 0.07 px in each coordinate

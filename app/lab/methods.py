@@ -4,8 +4,7 @@ from functools import cache
 from typing import Any
 
 import msgspec
-
-from ...assets import ROOT
+from viewimit.assets import ROOT
 
 
 class LabMethods(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

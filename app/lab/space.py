@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...simulation import scene_geometry as geometry
-from ...simulation.robot import link_meshes
-from ...simulation.scene_geometry import Mesh
-from ...simulation.world import World
+from viewimit.simulation import scene_geometry as geometry
+from viewimit.simulation.robot import link_meshes
+from viewimit.simulation.scene_geometry import Mesh
+from viewimit.simulation.world import World
 
 STEPS = 65_535  # of a coordinate over the extent of its mesh
 TENTHS_OF_MM = 4  # decimals of m

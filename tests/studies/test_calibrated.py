@@ -1,11 +1,10 @@
 """Calibrated visual servoing arrives if it is given the truth, and misses if its calibration is wrong."""
 
+import calibrated
 import numpy as np
 import pytest
+from calibrated import ORACLES, CalibratedServo, Oracle, estimate_posture, image_velocities
 
-from viewimit.experiments.bench import calibrated
-from viewimit.experiments.bench.calibrated import ORACLES, CalibratedServo, Oracle, estimate_posture, image_velocities
-from viewimit.experiments.bench.cases import COMPARE
 from viewimit.experiments.bench.engine import run_once
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -72,9 +71,9 @@ def test_a_posture_is_found_from_its_exact_images_without_a_first_guess(joints):
         np.testing.assert_allclose(found, theta, atol=np.radians(0.01))
 
 
-def test_an_oracle_runs_in_any_case_of_the_comparison():
+def test_an_oracle_runs_in_any_case_of_the_comparison(compared, exact):
     for name in ORACLES:
-        run = run_once(COMPARE.cases[1], SETTINGS, name, 5, 0, 60, 0, True)
+        run = run_once(compared[1], exact, name, 5, 0, 60)
         assert run.servo == name and run.status == "settled" and not run.claimed
         assert run.error_deg < (0.5 if "1deg" not in name else 20)
 

@@ -7,19 +7,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from generative import Generative, Visits, fit
 from scipy.linalg import expm
 
 from viewimit.estimation.transfers.transfer import conflict
-from viewimit.experiments.bench.cases import COMPARE
 from viewimit.experiments.bench.engine import run_once
-from viewimit.experiments.bench.generative import Generative, Visits, fit
-from viewimit.loop.settings import Settings
 from viewimit.servo import Observation
 from viewimit.servo.observation import Visit
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
-SETTINGS = Settings.paper(transfer="projective")
 LIMIT = np.radians(100.0)
 
 
@@ -142,8 +139,8 @@ class Targets:
         return e[..., np.isfinite(e).all(-1).reshape(-1, len(self.target)).all(0), :]
 
 
-def test_it_claims_nothing_and_repeats_to_the_last_bit():
-    first, again = (run_once(COMPARE.cases[1], SETTINGS, "generative", 3, 1, 30, 0, True) for _ in range(2))
+def test_it_claims_nothing_and_repeats_to_the_last_bit(compared, exact):
+    first, again = (run_once(compared[1], exact, "generative", 3, 1, 30) for _ in range(2))
     assert (
         repr(replace(first, cpu_s=0)) == repr(replace(again, cpu_s=0))
         and first.status == "settled"

@@ -18,21 +18,22 @@ from types import MappingProxyType
 from typing import Any
 
 import msgspec
+from viewimit.assets import ROOT
 
-from ... import __version__
-from ...assets import ROOT
-from ...loop.session import Session
-from ...loop.snapshot import Snapshot
-from ..glossary import ask, cards
-from ..svg import count_motions
-from ..theme import DRAWING_CSS, WORDS_CSS, font_faces, variables
-from .citation import Citation, cite
+from viewimit import __version__
+from viewimit.drawing.export.citation import Citation, cite
+from viewimit.drawing.export.panels import largest_residual
+from viewimit.drawing.glossary import ask, cards
+from viewimit.drawing.svg import count_motions
+from viewimit.drawing.theme import DRAWING_CSS, WORDS_CSS, font_faces, variables
+from viewimit.loop.session import Session
+from viewimit.loop.snapshot import Snapshot
+
 from .engine_scene import can_compute, describe_hulls, describe_world
-from .panels import largest_residual
 from .recording import describe_method, kept_motions, record
 from .space import Shapes, describe_robot, describe_stage
 
-SCRIPTS = ROOT.parent / "app" / "lab"  # beside assets/, in a clone and where it is installed
+SCRIPTS = Path(__file__).parent
 COMMENT = re.compile(r"^ *(?:/\*\*(?:(?!\*/).)*\*/|// [^\n]*)\n|/\*\*.*?\*/ ?| +// [^\n]*$", re.M | re.S)
 IMPORT = re.compile(r'^import (\{[^}]*\}) from "(\./|\.\./)([^"]+)";\n', re.M)
 JSON = re.compile(r'^import (\w+) from "([^"]+\.json)" with \{type: "json"\};\n', re.M)
@@ -92,7 +93,6 @@ def packed(data: bytes) -> str:
 
 
 CELL_HEIGHT = 700  # px, in a notebook
-HERE = Path(__file__).parent
 SCENE = "replay"  # the name of its scene, and of what the lab begins with
 TAKEN_OVER = "The run of this replay, gone on with in the lab."
 PLACES = "title", "nav", "said", "panel", "steps", "how", "map", "end"  # of lab.html that only replays fill
@@ -200,7 +200,7 @@ def _page(title: str, citation: Citation, data: dict[str, Any], meshes: bytes) -
         f"{title or citation.title} · a viewimit replay",
         data,
         meshes,
-        "\n".join((WORDS_CSS, HERE.joinpath("replay.css").read_text("utf-8"))),
+        "\n".join((WORDS_CSS, SCRIPTS.joinpath("view", "replay.css").read_text("utf-8"))),
         parts | {f"ask_{key}": ask(key) for key in ASKED},
     )
 
@@ -266,7 +266,7 @@ def _repeated(citation: Citation) -> str:
 @cache
 def _parts() -> dict[str, str]:
     """HTML of a replay, by its place in lab.html."""
-    text = HERE.joinpath("replay.html").read_text("utf-8")
+    text = SCRIPTS.joinpath("view", "replay.html").read_text("utf-8")
     return dict(re.findall(r"<!-- (\w+) -->\n(.*?)(?=<!-- |\Z)", text, re.S))
 
 

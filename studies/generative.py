@@ -25,13 +25,13 @@ from itertools import chain, islice
 import numpy as np
 from numpy.typing import NDArray
 
-from ...estimation.residuals import ResidualFunction
-from ...estimation.transfers.transfer import conflict
-from ...geometry.kinematics.bundle import levenberg_marquardt
-from ...servo.image_jacobian import MIN_STEP_RAD
-from ...servo.least_squares import minimise
-from ...servo.observation import Observation, ScaledResiduals, Visit, in_units, probe_motion, repeat_xy, unit_of
-from ...servo.status import ServoStatus
+from viewimit.estimation.residuals import ResidualFunction
+from viewimit.estimation.transfers.transfer import conflict
+from viewimit.geometry.kinematics.bundle import levenberg_marquardt
+from viewimit.servo.image_jacobian import MIN_STEP_RAD
+from viewimit.servo.least_squares import minimise
+from viewimit.servo.observation import Observation, ScaledResiduals, Visit, in_units, probe_motion, repeat_xy, unit_of
+from viewimit.servo.status import ServoStatus
 
 T_AT, V_AT, N_CAMERA_PARAMETERS = 12, 16, 22  # A (4 x 3), then t (4) and v (2 x 3) of both cameras, where they begin
 MIN_DEPTH = 0.05  # least denominator 1 + v·x, relative to that of the mean point

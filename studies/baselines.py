@@ -1,4 +1,4 @@
-"""Independent implementations of E, with which the fast path is timed and compared.
+"""Independent implementations of E, with which the fast path is timed and compared: `python studies/baselines.py`.
 
 The paper's E in plain numpy uses only the scene's joints, points and cameras, nothing of `geometry` or `estimation`.
 `loop` goes from posture to posture, `batch` takes all at once; `conflict` and `conflicts` do so with given images.
@@ -10,14 +10,26 @@ them. Pinhole views of equal bodies in equal postures agree exactly. Elsewhere t
 only its time can be compared.
 """
 
+import argparse
 import importlib.util
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...simulation.camera import Camera
-from ...simulation.world import World
+from viewimit.analysis.landscape import grid_axes
+from viewimit.experiments.bench.speed import (
+    E_of_images,
+    call_s,
+    median_s,
+    over_range,
+    row,
+    scene_demonstrator,
+)
+from viewimit.simulation.camera import Camera
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
 
+LOOP_SHARE = 10  # loops are timed on every tenth posture in a seeded order, or on all with --full-loop
 MIN_OPENCV_POINTS = 8  # of the eight-point algorithm; the resection of a view needs six
 
 
@@ -42,11 +54,11 @@ def conflicts(
     """
     l, r, L, R = demo[:, :2], demo[:, 2:], own[..., :2], own[..., 2:]
     A, B = np.zeros((len(own), 5, 4)), np.zeros((len(own), 5, 6))
-    for row, (d, o) in enumerate(((l, L), (r, L), (l, R), (r, R))):
+    for k, (d, o) in enumerate(((l, L), (r, L), (l, R), (r, R))):
         f, f33 = _fundamentals(np.broadcast_to(d, o.shape), o)
-        to_R, from_r = 2 * (row // 2), 3 * (row % 2)
-        A[:, row, to_R : to_R + 2] = f[:, 2:]
-        B[:, row, from_r : from_r + 2], B[:, row, from_r + 2] = f[:, :2], f33
+        to_R, from_r = 2 * (k // 2), 3 * (k % 2)
+        A[:, k, to_R : to_R + 2] = f[:, 2:]
+        B[:, k, from_r : from_r + 2], B[:, k, from_r + 2] = f[:, :2], f33
     A[:, 4], B[:, 4, 5] = _fundamentals(L, R)
     A_transposed = np.swapaxes(A, 1, 2)
     normal = A_transposed @ A
@@ -63,11 +75,11 @@ def conflict(demo: NDArray[np.float64], own: NDArray[np.float64]) -> float:
     """Compute E of one posture. demo, own: (N, 4) px → px²."""
     l, r, L, R = demo[:, :2], demo[:, 2:], own[:, :2], own[:, 2:]
     A, B = np.zeros((5, 4)), np.zeros((5, 6))
-    for row, (d, o) in enumerate(((l, L), (r, L), (l, R), (r, R))):
+    for k, (d, o) in enumerate(((l, L), (r, L), (l, R), (r, R))):
         f, f33 = _fundamental(d, o)
-        to_R, from_r = 2 * (row // 2), 3 * (row % 2)
-        A[row, to_R : to_R + 2] = f[2:]
-        B[row, from_r : from_r + 2], B[row, from_r + 2] = f[:2], f33
+        to_R, from_r = 2 * (k // 2), 3 * (k % 2)
+        A[k, to_R : to_R + 2] = f[2:]
+        B[k, from_r : from_r + 2], B[k, from_r + 2] = f[:2], f33
     A[4], B[4, 5] = _fundamental(L, R)
     c = np.column_stack([l, np.ones(len(l)), r, np.ones(len(r))])
     recovered = np.linalg.lstsq(A, -B @ c.T, rcond=None)[0].T
@@ -193,3 +205,52 @@ def _project_homogeneous(P: NDArray, X: NDArray) -> NDArray:
     """P: (3, 4); X: (N, 4) → (N, 2) px."""
     x = X @ P.T
     return x[:, :2] / x[:, 2:]
+
+
+def main(words: list[str] | None = None) -> None:
+    """Time E over the range and at one posture beside its baselines, and print the largest relative differences."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--scene", default="panda")
+    parser.add_argument("--n-points", type=int, default=10)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--full-loop", action="store_true", help="time loops on every posture, not a tenth")
+    asked = parser.parse_args(words)
+    world = World(load_scene(asked.scene), asked.n_points)
+    demo, postures = (
+        scene_demonstrator(world),
+        np.stack(np.meshgrid(*grid_axes(world), indexing="ij"), -1).reshape(-1, 2),
+    )
+    sample = np.random.default_rng(asked.seed).permutation(len(postures))
+    sample = sample if asked.full_loop else sample[: len(postures) // LOOP_SHARE]
+    own, all_s = own_image(world, postures[0]), len(postures) / len(sample)
+    over = lambda function, at=postures: lambda: function(world, demo, at)
+    once_s = lambda function, *given: call_s(lambda: function(*given))
+    why_not = opencv_unavailable(asked.n_points)
+    fast = over_range(world, "epipolar", with_condition=True)
+    E, condition = batch(world, demo, postures, with_condition=True)
+    assert fast.condition is not None and condition is not None
+    ours_s, one_s = median_s(lambda: over_range(world, "epipolar")), once_s(E_of_images, "epipolar", demo, own)
+    with_condition_s = median_s(lambda: over_range(world, "epipolar", with_condition=True))
+    print(f"E over {len(postures)} postures of {asked.scene}, {asked.n_points} points; loops on {len(sample)}, scaled")
+    print(row("epipolar", ours_s, ours_s))
+    print(row("numpy batch: eigh and solve", median_s(over(batch), 5), ours_s))
+    print(row("numpy loop: eigh and lstsq", all_s * median_s(over(loop, postures[sample]), 1), ours_s))
+    if not why_not:
+        print(row("OpenCV loop: another E", all_s * median_s(over(opencv_loop, postures[sample]), 1), ours_s))
+    print(row("epipolar with cond(A)", with_condition_s, with_condition_s))
+    print(row("numpy batch with cond(A)", median_s(lambda: batch(world, demo, postures, True), 5), with_condition_s))
+    print("one posture, of given images")
+    print(row("epipolar", one_s, one_s))
+    print(row("numpy loop: eigh and lstsq", once_s(conflict, demo, own), one_s))
+    print(why_not or row("OpenCV: another E", once_s(opencv_conflict, demo, own), one_s))
+    print("largest relative difference")
+    for what, found, expected in (
+        ("E to the batch", fast.E.ravel(), E),
+        ("E to the loop", fast.E.ravel()[sample], loop(world, demo, postures[sample])),
+        ("cond(A) to the batch", fast.condition.ravel(), condition),
+    ):
+        print(f"  {what:<60} {np.abs(found / expected - 1).max():9.1e}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,27 +1,31 @@
-"""How `evaluate` does with tracks of stereo rigs: whether it rectifies, and how well transfers predict other points.
+"""Tracks of stereo rigs: whether `evaluate` rectifies them, and how well transfers predict other points.
+
+    python studies/tracks.py
 
 A rig as of the KITTI data set (Geiger et al. 2012), with 0.54 m between cameras of 1241 x 376 px, sees a rigid scene,
 moves, and sees it again: [l r] and [L R]. Its rectification leaves the errors of KITTI's public pairs: a keystone in
 the right image's rows. A fundamental matrix fits it well, and yet its rectification makes predictions worse.
 """
 
-from collections.abc import Callable, Sequence
+import argparse
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...analysis.leave_one_out import leave_one_out
-from ...estimation.outliers import find_outliers, select_matches
-from ...estimation.rectification import fit_transfer
-from ...estimation.transfers import TRANSFERS
-from ...estimation.views import FourViews
-from ...geometry.rectification import Rectification, fit_rectification
-from ...geometry.rigid import rigid_transform, rotation_about_axis
-from ...simulation.camera import Camera, Cameras, Lens
-from ..executors import Study
-from .intervals import Share
+from viewimit.analysis.leave_one_out import leave_one_out
+from viewimit.estimation.outliers import find_outliers, select_matches
+from viewimit.estimation.rectification import fit_transfer
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.estimation.views import FourViews
+from viewimit.experiments.bench.engine import chosen
+from viewimit.experiments.bench.intervals import Share
+from viewimit.experiments.executors import Study
+from viewimit.geometry.rectification import Rectification, fit_rectification
+from viewimit.geometry.rigid import rigid_transform, rotation_about_axis
+from viewimit.simulation.camera import Camera, Cameras, Lens
 
 WIDTH, HEIGHT, FOCAL_PX, BASELINE_M = 1241, 376, 718.0, 0.54
 NEAR_M, FAR_M = 5.0, 60.0  # depths of points, uniform
@@ -84,11 +88,10 @@ def run(
     seed: int = 0,
     cases: Sequence[Case] = CASES,
     study: Study | None = None,
-    progress: Callable[[float], None] = lambda share: None,
 ) -> list[Outcome]:
     """Evaluate draws of every case."""
     tasks = [(case.points, case.toe_in_deg, case.board, [seed, k]) for case in cases for k in range(runs)]
-    found = iter((study or Study()).map(run_once, tasks, progress))
+    found = iter((study or Study()).map(run_once, tasks))
     return [_outcome(case, list(islice(found, runs))) for case in cases]
 
 
@@ -174,7 +177,7 @@ def _outcome(case: Case, found: Sequence[Run]) -> Outcome:
     return Outcome(case.name, rectified, asked, *medians)
 
 
-def tracks_table(outcomes: Sequence[Outcome]) -> str:
+def table(outcomes: Sequence[Outcome]) -> str:
     """Lay out the outcomes for people: a block for each case, a row for each transfer."""
     lines = ["median px rms of points held out: as `evaluate` leaves the images; as they are; rectified as matches ask"]
     for o in outcomes:
@@ -182,3 +185,18 @@ def tracks_table(outcomes: Sequence[Outcome]) -> str:
         rows = zip(o.error_px, o.error_px.values(), o.raw_px.values(), o.always_px.values())
         lines += [f"  {name:<11}" + "".join(f"{px:10.2f}" for px in errors) for name, *errors in rows]
     return "\n".join(lines)
+
+
+def main(words: list[str] | None = None) -> None:
+    """Print the outcomes."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--runs", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--case", help="those whose names contain it")
+    asked = parser.parse_args(words)
+    print(f"{asked.runs} random tracks of a stereo rig a case, seed {asked.seed}")
+    print(table(run(asked.runs, asked.seed, chosen(CASES, asked.case), Study(None))))
+
+
+if __name__ == "__main__":
+    main()

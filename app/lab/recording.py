@@ -10,20 +10,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...analysis.construction import construct
-from ...analysis.landscape import Landscape, conflict_at
-from ...analysis.observability import joint_uncertainty
-from ...analysis.self_assessment import assess
-from ...loop.session import Session
-from ...loop.settings import DISTURBANCES
-from ...loop.snapshot import Snapshot
-from ...simulation.appearance import Silhouettes
-from .. import svg
-from ..images.panel import gauge
-from ..landscape import HEIGHT, WIDTH, draw_observability
-from ..status import describe, describe_truth
-from .lab_methods import lab_methods
-from .panels import TOO_FEW, compute_landscape, landscape_key
+from viewimit.analysis.construction import construct
+from viewimit.analysis.landscape import Landscape, conflict_at
+from viewimit.analysis.observability import joint_uncertainty
+from viewimit.analysis.self_assessment import assess
+from viewimit.drawing import svg
+from viewimit.drawing.export.panels import TOO_FEW, compute_landscape, landscape_key
+from viewimit.drawing.images.panel import gauge
+from viewimit.drawing.landscape import HEIGHT, WIDTH, draw_observability
+from viewimit.drawing.status import describe, describe_truth
+from viewimit.loop.session import Session
+from viewimit.loop.settings import DISTURBANCES
+from viewimit.loop.snapshot import Snapshot
+from viewimit.simulation.appearance import Silhouettes
+
+from .methods import lab_methods
 
 MAX_SNAPSHOTS = 150  # of a longer run, evenly spread
 MAX_LANDSCAPES = 24  # of different demonstrators' postures; with more, a sentence says that the map follows

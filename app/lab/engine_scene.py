@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...simulation.appearance import extreme_vertices
-from ...simulation.camera import Camera
-from ...simulation.robot import BodyPoints, link_meshes, robot_names
-from ...simulation.scene import Scene, load_robot
-from ...simulation.world import World
-from ..svg import joint_symbol
+from viewimit.drawing.svg import joint_symbol
+from viewimit.simulation.appearance import extreme_vertices
+from viewimit.simulation.camera import Camera
+from viewimit.simulation.robot import BodyPoints, link_meshes, robot_names
+from viewimit.simulation.scene import Scene, load_robot
+from viewimit.simulation.world import World
 
 JOINT_NAMES = {
     1: "Base {symbol}",

@@ -140,7 +140,7 @@ def test_missing_values_are_invisible_and_reported(ask, tidy, mark):
     tidy.write_text("\n".join(lost))
     status, said, err = ask("evaluate", tidy)
     assert (status, said.replace("10 points", "9 points")) == (0, expected) and "lost" not in silent
-    assert "4 points at (0, 0), (-1, -1) or the like: taken for lost by the tracker, not seen" in err
+    assert "4 points at (0, 0), (-1, -1) or the like: counted as lost by the tracker" in err
 
 
 def test_too_few_points_are_no_success(ask, tidy):

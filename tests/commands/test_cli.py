@@ -237,15 +237,12 @@ BAD_INPUT = [
     ("imitate --transfer own", "--transfer: no transfer 'own': only a session in Python is given one"),
     ("imitate --noise-px nan", "--noise-px: noise_px must be between 0 and 20, got nan"),
     ("imitate --seed -1", "--seed: seed must be between 0 and 4294967295, got -1"),
-    ("imitate --max-motions -1", "--max-motions: must be between 0 and 100000, got -1"),
     ("imitate --colour red", "unrecognized arguments: --colour red"),
     ("landscape --step-deg nan", "--step-deg: must be between 0.1 and 45, got nan"),
     ("landscape --joints 1,2,3", "--scene, --joints: a landscape needs two moving joints, this scene has 3"),
     ("landscape --out a.gif", "--out: a.gif: unknown extension '.gif'; there are .npz, .csv, .svg, .png, .pdf"),
-    ("landscape --out nowhere/a.npz", "--out: .*nowhere/a.npz: No such file or directory"),
     ("imitate --out a.xlsx", "--out: a.xlsx: unknown extension '.xlsx'; there are .csv, .npz"),
     ("imitate --out nowhere/a.npz", "--out: .*nowhere/a.npz: No such file or directory"),
-    ("bench --scene moon", "--scene.*: no scene 'moon'"),
     ("reproduce fig3", "figures: no figure 'fig3'; there are fig7, fig9, fig10 and all"),
     ("reproduce fig10 --motion dance", "--motion: no motion 'dance'; there are sinusoid, circle, or the path"),
     ("reproduce fig10 --motion lost.json", "--motion: lost.json: No such file"),
@@ -292,8 +289,7 @@ def test_a_robot_is_a_scene_of_its_name_or_a_urdf_beside_the_scene(ask_json, fil
     assert iiwa["grid"] == [10, 13]
 
 
-@pytest.mark.parametrize("encoding", ["cp1252", "ascii"])
-def test_a_console_that_lacks_characters_is_told_all_the_same(encoding, tmp_path):
+def test_a_console_that_lacks_characters_is_told_all_the_same(tmp_path):
     code = (
         "import sys\n"
         "from viewimit.commands.cli import COMMANDS, main\n"
@@ -307,11 +303,11 @@ def test_a_console_that_lacks_characters_is_told_all_the_same(encoding, tmp_path
         "        status = exit.code\n"
         "    assert status == 0, words\n"
     )
-    there = os.environ | {"PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
+    there = os.environ | {"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, cwd=tmp_path, env=there, timeout=120)
-    assert done.returncode == 0, done.stderr.decode(encoding)
-    said = done.stdout.decode(encoding)
-    assert " ?0.5" in said and ("45°, -90°" if encoding == "cp1252" else "45?, -90?") in said
+    assert done.returncode == 0, done.stderr.decode()
+    said = done.stdout.decode()
+    assert " ?0.5" in said and "45?, -90?" in said
     figures = json.loads(said.splitlines()[-1])["figures"]
     assert "?" not in json.dumps(figures) and "°" in json.dumps(figures, ensure_ascii=False)
 

@@ -59,7 +59,12 @@ def arrays(folder, **more):
     paths = {}
     for v, view in enumerate(VIEWS):
         paths[view] = folder / f"{VIEW_NAMES[view]}.npz"
-        np.savez(paths[view], pred_tracks=IMAGE[v], names=NAMES, **{name: of(HIDDEN[v]) for name, of in more.items()})
+        np.savez(
+            paths[view],
+            pred_tracks=IMAGE[v],
+            names=np.array(NAMES, "SU"[v % 2]),
+            **{name: of(HIDDEN[v]) for name, of in more.items()},
+        )
     return read_files(paths)
 
 
@@ -251,6 +256,14 @@ def test_of_several_columns_for_the_frame_the_number_counts(tmp_path):
     tracked = plain(tmp_path, "image_id,point,x,y,file_name,timestamp,joint,instance_score", more)
     check(tracked, hidden=False)
     assert tracked.notes == ("not read: columns file_name, timestamp, joint, instance_score",)
+
+
+def test_the_level_of_the_scorer_may_be_missing(tmp_path):
+    deeplabcut(tmp_path)
+    paths = {view: tmp_path / f"{VIEW_NAMES[view]}.csv" for view in VIEWS}
+    for path in paths.values():
+        path.write_text(path.read_text().partition("\n")[2])
+    check(read_files(paths), hidden=False)
 
 
 def test_comments_among_the_rows_are_counted_and_names_may_begin_with_a_sign(tmp_path):

@@ -61,6 +61,16 @@ def test_evaluate_reads_the_markers_that_detect_writes(ask, ask_json, tmp_path):
         np.testing.assert_allclose((float(x), float(y)), seen[view_of(view)][int(number)], atol=0.3)
 
 
+def test_films_of_unlike_rates_are_no_pair(ask, tmp_path):
+    files = [tmp_path / f"{name}.avi" for name in VIEW_NAMES.values()]
+    for path, rate in zip(files, (30, 25, 30, 30.1)):
+        film = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), rate, (400, 300))
+        film.write(picture_of(Fiducials("4x4_50").dictionary, {3: (200, 150)}, shape=(300, 400)))
+        film.release()
+    _, _, err = ask("detect", *files, "--aruco", "4X4_50", "--out", tmp_path / "points.csv")
+    assert "demonstrator have 30 frames a second in demo_left and 25 in demo_right" in err and "learner" not in err
+
+
 def test_a_view_without_markers_is_named_and_hues_are_not_looked_for_unasked(ask, tmp_path):
     dictionary, out = Fiducials("4x4_50").dictionary, tmp_path / "points.csv"
     empty, full = tmp_path / "empty_l.png", tmp_path / "full_r.png"

@@ -132,7 +132,7 @@ def test_each_camera_has_its_own_lens(tmp_path, capsys):
     """Without the distortion E of two like bodies vanishes."""
     other = [[700.0, 0, 300.0], [0, 700.0, 250.0], [0, 0, 1]]
     points = table(tmp_path / "points.csv", {"left": (K, D), "right": (other, [0.1, -0.2, 0, 0.002, 0.05])})
-    (tmp_path / "left.json").write_text(json.dumps(ros()))
+    (tmp_path / "left.json").write_text(json.dumps({**ros(), "camera_name": "the left one"}))
     given = ["--lens-left", str(tmp_path / "left.json"), "--lens-right", "700,700,300,250,0.1,-0.2,0,0.002,0.05"]
     E = []
     for words in ([], given, [*given[:2], "--lens-right", given[1]]):
@@ -140,4 +140,5 @@ def test_each_camera_has_its_own_lens(tmp_path, capsys):
         out = capsys.readouterr()
         E.append(json.loads(out.out)["frames"][0]["E"])
         assert "picture size" not in out.err
+        assert ("--lens-right: the camera is named the left one" in out.err) == (words[-1:] == given[1:2])
     assert E[1] < 1e-6 < 1e-3 < min(E[0], E[2])

@@ -83,7 +83,7 @@ def test_headings_that_would_run_something_are_not_unpickled(tmp_path):
 @pytest.mark.parametrize(
     "change, says",
     [
-        (("bodyparts", "parts"), "its first lines must begin with scorer, bodyparts, coords or scorer, individuals"),
+        (("bodyparts", "parts"), "its first lines must begin with scorer, individuals, bodyparts, coords"),
         (("tip,tip,tip", "tip,tip,top"), None),
         (("coords,x,y", "coords,likelihood,y"), "body part 'tip' needs columns x and y"),
         (("coords,x,y", "coords,x,x"), "two columns are x of 'tip'"),

@@ -185,6 +185,16 @@ def test_a_lens_is_named_and_the_joint_angles_found_in_spite_of_it():
     assert 0.1 < last.misfit.amount < 2 * 0.06 * radius**3 * head.focal
 
 
+def test_points_near_a_plane_make_no_other_body_of_the_same_one():
+    rng, links = np.random.default_rng(5), (0, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 7, 7, 0, 3, 5)
+    points = tuple((link, *rng.uniform(-0.004, 0.004, 3)) for link in links)  # m, about the joints' axes in one plane
+    demonstrator, start = (tuple(rng.uniform((10, -170), (80, -10))) for _ in range(2))
+    poses = {"demonstrator_deg": demonstrator, "start_deg": start}
+    last = Session(Settings(body_points=points, noise_px=0.25, seed=0, **poses)).run(60).last
+    assert last.misfit is None and last.status == "converged"
+    assert np.abs(last.theta - last.theta_demo).max() < 3 * last.expected_error
+
+
 def test_a_clear_misfit_spares_the_search_elsewhere():
     body = lambda camera, scene, points: OtherDemonstrator(scene, points, mirrored=True)
     last = Session(Settings(start_deg=(20, -120), demonstrator_deg=(60, -60), **NOISY), open_eyes=body).run(60).last

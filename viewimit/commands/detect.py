@@ -39,6 +39,7 @@ BODIES = {"demonstrator": ("demo_left", "demo_right"), "learner": ("own_left", "
 MAX_NUMBER = 9999  # of a marker
 MAX_LINES = 10  # about markers that are left out
 TIMES = {2: "twice"}
+SAME_RATE = 0.01  # relative, as cameras without a trigger differ by less
 BOTH = re.compile(r"(?:^|[^A-Za-z])(?i:(left|right))$")  # a picture of both arms
 NAMED = re.compile(r"(?:^|[^A-Za-z])(?:(?P<body>(?i:demo|own))[_-](?P<side>(?i:left|right))|(?P<view>[lrLR]))$")
 
@@ -98,7 +99,7 @@ def run(args: argparse.Namespace) -> int:
             " both arms in one picture need markers with numbers: give --aruco"
         )
     names, detect = _ball_detector(args) if args.aruco is None else _square_detector(args)
-    from ..sensing.detection import read_pictures  # loads OpenCV
+    from ..sensing.detection import frame_rate, read_pictures  # loads OpenCV
 
     rows: dict[str, list[Row]] = {}
     counts: dict[str, dict[str, float]] = {}
@@ -131,7 +132,8 @@ def run(args: argparse.Namespace) -> int:
         for name, count in counts.items():
             print(f"{name:<10}  {count['frames']} frames, {count['points_a_frame']:.1f} of {markers} points in each")
         print(f"written to {args.out}")
-    for said in (*_lengths(counts), *_left_out(left_out, counts)):
+    rates = {VIEW_NAMES[view]: [frame_rate(path) for path in paths] for view, paths in files.items()}
+    for said in (*_lengths(counts), *_rates(rates), *_left_out(left_out, counts)):
         print(f"viewimit detect: {said}", file=sys.stderr)
     empty = [VIEW_NAMES[view] for view in files if not rows[view]]
     if empty:
@@ -195,6 +197,20 @@ def _lengths(counts: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
                 f"the {body} has {frames[0]} frames in {pair[0]} and {frames[1]} in {pair[1]}: if one has lost "
                 "a frame, left and right are not of the same moment from then on; cut both to the same moments"
             )
+
+
+def _rates(rates: Mapping[str, list[float | None]]) -> Iterator[str]:
+    """In a line for each body: its films show unlike numbers of frames in a second."""
+    for body, pair in BODIES.items():
+        known = [[rate for rate in rates.get(view, ()) if rate is not None] for view in pair]
+        for left, right in zip(*known):
+            if abs(left - right) > SAME_RATE * left:
+                unlike = f"{left:.4g} frames a second in {pair[0]} and {right:.4g} in {pair[1]}"
+                yield (
+                    f"the films of the {body} have {unlike}: frames of one number are not of one moment; convert both "
+                    "to one rate"
+                )
+                break
 
 
 def _left_out(

@@ -115,7 +115,11 @@ def _one(text: str, camera: str) -> CalibratedLens:
     named = [name for name in found if _is_of(camera, name)]
     if len(found) > 1 and len(named) != 1:
         raise ValueError(f"{text} has several cameras, {', '.join(found)}: name one, {text}#{next(iter(found))}")
-    return found[named[0]] if len(found) > 1 else next(iter(found.values()))
+    name = named[0] if len(found) > 1 else next(iter(found))
+    other = CAMERAS[1 - CAMERAS.index(camera)]
+    if _is_of(other, name) and not _is_of(camera, name):
+        print(f"viewimit evaluate: --lens-{camera}: the camera is named {name}: are they exchanged?", file=sys.stderr)
+    return found[name]
 
 
 def _is_of(camera: str, name: str) -> bool:

@@ -157,6 +157,14 @@ def read_pictures(path: Path) -> Iterator[Picture]:
         raise ValueError(f"{path}: not a picture or video that OpenCV reads")
 
 
+def frame_rate(path: Path) -> float | None:
+    """Return how many frames a video shows in a second; None for a picture, and for a video that does not say."""
+    import cv2
+
+    rate = 0.0 if path.suffix.lower() in PICTURES else float(cv2.VideoCapture(str(path)).get(cv2.CAP_PROP_FPS))
+    return rate if 0 < rate < np.inf else None
+
+
 def _require_size(path: Path) -> None:
     """Raise ValueError for a picture that is too large, before it is decompressed."""
     try:

@@ -30,6 +30,8 @@ class MisfitKind(str, Enum):
     """The demonstrator's posture is beyond a joint limit of the learner."""
     NOT_RIGID = "not-rigid"
     """The learner's own images fit no rigid links: an estimate may be wrong by more than noise explains."""
+    NEARLY_FLAT = "nearly-flat"
+    """All points move near one plane, as seen against the noise: no reason can be told from another one."""
     NONE = "none"
     """None of these explains the images."""
 
@@ -96,7 +98,8 @@ class Misfit:
             MisfitKind.LENS: f"a lens bends the pictures, by up to {self.amount or 0:.2g} px",
             MisfitKind.ARM: _of_arm(self.amount),
             MisfitKind.NOT_RIGID: "the arm or its points do not move as rigid bodies",
-            MisfitKind.NONE: "the demonstrator's body differs from the learner's, and no known reason explains how",
+            MisfitKind.NEARLY_FLAT: "the points lie too near a plane, for this noise, to compare the bodies by",
+            MisfitKind.NONE: "no pose of the learner's body explains the demonstrator's pictures, nor a known reason",
         }[self.kind]
 
 

@@ -9,7 +9,9 @@ from pathlib import Path
 
 from ...estimation.views import VIEWS, view_of
 from .arrays import open_hdf5, read_arrays
+from .columns import Meaning, meaning_of
 from .pose_trackers import (
+    LEVELS,
     find_table,
     read_deeplabcut_csv,
     read_deeplabcut_h5,
@@ -89,7 +91,7 @@ def _read_text(path: Path, individual: str | None) -> Track:
     table = Table(path)
     refuse_colmap(path, table.first)
     _, heading = next(table.lines())
-    if heading[0] == "scorer":
+    if heading[0] in LEVELS and not {Meaning.X, Meaning.Y} <= {*map(meaning_of, heading)}:
         return read_deeplabcut_csv(path, individual)
     if "frame_idx" in heading and {"track", "instance.score"} & set(heading):
         return read_sleap_csv(path, individual)

@@ -34,7 +34,7 @@ from .numbering import FrameLabels
 from .text import Table
 from .track import CERTAIN, Rows, Track, choose_individual, least_seen, require_cells, with_seen
 
-LEVELS = (("scorer", "bodyparts", "coords"), ("scorer", "individuals", "bodyparts", "coords"))
+LEVELS = ("scorer", "individuals", "bodyparts", "coords")  # the first two may be missing
 Heading = tuple[str, str, str]  # individual ("" if there is one), body part, coordinate
 SINGLE = "single"  # DeepLabCut's individual for points that belong to none
 EXPORT_CSV = "export it as CSV: pandas.read_hdf(…).to_csv(…), or deeplabcut.analyze_videos(…, save_as_csv=True)"
@@ -44,20 +44,19 @@ def read_deeplabcut_csv(path: Path, individual: str | None) -> Track:
     """Read a CSV file. Raises ValueError that names the file, line and column, and OSError."""
     table = Table(path)
     lines = table.lines()
-    head = list(islice(lines, 3))
-    if len(head) > 1 and head[1][1][0] == "individuals":
-        head += islice(lines, 1)
-    levels = tuple(cells[0] for _, cells in head)
-    if levels not in LEVELS:
-        expected = " or ".join(", ".join(names) for names in LEVELS)
-        raise ValueError(f"{path}: its first lines must begin with {expected}, as DeepLabCut's do")
+    head = list(islice(lines, 1))
+    while head[-1][1][0] in LEVELS[:-1] and len(head) < len(LEVELS):
+        head.append(next(lines, (0, [""])))
+    levels = [cells[0] for _, cells in head]
+    if levels != [name for name in LEVELS if name in levels] or levels[-2:] != list(LEVELS[-2:]):
+        raise ValueError(f"{path}: its first lines must begin with {', '.join(LEVELS)}, as DeepLabCut's do")
     line, parts = head[-2]
     for other, cells in head:
         table.require_count(other, cells, len(parts))
     first = next(
         (k for k, name in enumerate(parts[1:], 1) if name), len(parts)
     )  # the columns before say which frame it is
-    several = head[1][1] if len(levels) == 4 else [""] * len(parts)
+    several = head[levels.index("individuals")][1] if "individuals" in levels else [""] * len(parts)
     headings = [_trimmed(one) for one in zip(several[first:], parts[first:], head[-1][1][first:])]
     labels, frames, numbers = FrameLabels(), list[int](), list[list[float]]()
     for line, cells in lines:

@@ -34,7 +34,7 @@ from ...geometry.kinematics.maximum_likelihood import Likely, likely_kinematics
 from ...geometry.kinematics.own_body import OwnBody
 from ...geometry.kinematics.two_bodies import BodyPair
 from ..least_squares import minimise, posture_grid
-from ..misfit import MisfitKind
+from ..misfit import Misfit, MisfitKind
 from ..observation import Observation
 from .naming import KnownBody, mixed_up
 from .options import EstimatorOptions
@@ -48,6 +48,7 @@ ANGLES = (*GOALS, MisfitKind.POINT, MisfitKind.LINK_POINTS)  # whose angles are 
 APART, DISTINCT = np.radians([15.0, 2.0])  # rad: between starts of the search; between its results
 BEYOND = np.radians(3.0)  # rad: outside the limits by more, a posture is only taken if there is no other
 MANY_STEPS, HOPELESS_SIGMAS = 80, 12.0  # steps that end at a minimum; beyond, no other chain of a point helps
+FLAT, FLAT_STEPS = 6.0, 1000  # standard deviations of noise; steps that end in the narrow valley of a nearly flat body
 CLEAR, EARLY = 10.0, 70.0  # by which the best reason's criterion is smaller than others', to claim; to look no further
 MAX_IMITATED_STD = np.radians(3.0)  # expected error: if larger, the angles of an explanation are not imitated
 SMALL_E = 25.0, 1e-3  # E that is small: times the noise variance; share of the mean square extent of the own image
@@ -106,6 +107,11 @@ class Evidence:
     def noise_px(self) -> float:
         """Of an own image's coordinate."""
         return max(self.see.noise_px, NOISE_FLOOR_PX)
+
+    @property
+    def is_nearly_flat(self) -> bool:
+        """Whether the own points, wherever they were, lie near a plane."""
+        return bool(self.body.kinematics.frame.unit_px[2] < FLAT * self.noise_px)
 
     def adjustment(self, likely: Likely | None = None) -> CommonAdjustment | None:
         """The adjustment of both bodies; None if too few points are visible for any test."""
@@ -209,7 +215,8 @@ def same_body(evidence: Evidence, previous: Estimate | None = None) -> Estimate 
 def refined(same: Estimate, evidence: Evidence) -> Estimate:
     """The same hypothesis after as many steps as it takes, with the likeliest chains that the points may have."""
     assert same.fit is not None and same.adjustment is not None
-    found = [evidence.estimate(same.adjustment, same.adjustment.fit(same.fit.pair, MANY_STEPS), same.minima)]
+    steps = FLAT_STEPS if evidence.is_nearly_flat else MANY_STEPS
+    found = [evidence.estimate(same.adjustment, same.adjustment.fit(same.fit.pair, steps), same.minima)]
     options = evidence.options
     hopeful = options.max_sigmas <= found[0].sigmas < HOPELESS_SIGMAS
     if hopeful and not evidence.body.slack and not found[0].open_joints(options, evidence.noise_px).any():
@@ -277,12 +284,16 @@ def find_pairs(evidence: Evidence) -> Pairs:
 def likeliest_other(same: Estimate, evidence: Evidence) -> Estimate:
     """The likeliest hypothesis but the same body, by Schwarz's criterion; `same` if too few points tell.
 
-    Where its angles are not worth imitating, the posture of least E is the place to be.
+    Where its angles are not worth imitating, the posture of least E is the place to be. Points near a plane tell no
+    hypothesis from another one.
     """
     see, (demo, _) = evidence.see, evidence.see.demonstrator
     assert same.fit is not None and same.adjustment is not None
     if np.count_nonzero(same.adjustment.problem.visible_in_both[0]) < MIN_POINTS:
         return same
+    if evidence.is_nearly_flat:
+        flat = Explanation(Misfit(MisfitKind.NEARLY_FLAT), same.adjustment.estimate(same.fit), 0.0)
+        return replace(same, theta=least_E(same), explanation=flat)
     see = replace(see, noise_px=evidence.noise_px, demo=demo)
     reasons = Reasons(same.adjustment, same.fit, evidence.body.seen, see, same.theta, see.seed)
     why, best = reasons.best()

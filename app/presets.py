@@ -38,7 +38,7 @@ class _Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
 
 
 def _preset(entry: _Entry) -> Preset:
-    base = Settings.best if entry.best else Settings.paper
+    base = Settings if entry.best else Settings.paper
     settings = base(**convert_fields(entry.settings))
     return Preset(entry.name, settings, entry.speed, entry.says, entry.key, entry.where)
 

@@ -79,4 +79,4 @@ def test_a_lesson_comes_true(preset):
 def test_the_page_begins_with_the_papers_method_and_offers_the_best_next():
     assert ServerOptions().settings == Settings.paper()
     assert next(iter(presets_from(ServerOptions().settings).values())).name == "The paper's experiment"
-    assert [preset.settings for preset in PRESETS[:2]] == [Settings.paper(), Settings.best()]
+    assert [preset.settings for preset in PRESETS[:2]] == [Settings.paper(), Settings()]

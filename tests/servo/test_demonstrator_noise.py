@@ -15,7 +15,7 @@ def run_of(seed, **fields):
     rng = np.random.default_rng(seed)
     demo, start = rng.uniform((0, -180), (90, 0), (2, 2)).tolist()
     poses = {"demonstrator_deg": tuple(demo), "start_deg": tuple(start)}
-    session = Session(Settings.best(points=16, noise_px=NOISE_PX, seed=seed, **poses, **fields))
+    session = Session(Settings(points=16, noise_px=NOISE_PX, seed=seed, **poses, **fields))
     last = session.run(300, 5).last
     return session, last, np.degrees(np.abs(last.theta - last.theta_demo).max())
 

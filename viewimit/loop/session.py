@@ -129,7 +129,7 @@ class Session:
         dense, transfer, servo
             As of `Session`.
         **changes
-            Fields of `Settings` that differ from `Settings.best()`: frames (images averaged at each posture), rectify,
+            Fields of `Settings` that differ from `Settings()`: frames (images averaged at each posture), rectify,
             matched, start_deg (replaces the arm's start), seed, max_step_deg and workspace_deg. The limits
             hold for every motion, also for undo and reset. Only the first motion, to the start, may be of any length,
             because the arm's posture before it is unknown.
@@ -142,7 +142,7 @@ class Session:
             For an arm or eyes that lack a member.
         """
         session = cls.__new__(cls)
-        session._set_up(RealRobotOpener(arm, eyes, name), Settings.best(**changes), dense, transfer, servo)
+        session._set_up(RealRobotOpener(arm, eyes, name), Settings(**changes), dense, transfer, servo)
         return session
 
     def _set_up(

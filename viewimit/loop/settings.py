@@ -214,22 +214,6 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     ] = None
 
     @classmethod
-    def best(cls, **changes: Any) -> "Settings":
-        """Make settings of the best method: transfer "projective", servo "likelihood", 25 frames (1 s of video).
-
-        Parameters
-        ----------
-        **changes
-            Fields with other values.
-
-        Returns
-        -------
-        Settings
-            What `Settings(**changes)` gives.
-        """
-        return cls(**changes)
-
-    @classmethod
     def paper(cls, **changes: Any) -> "Settings":
         """Make settings of the paper's method: transfer "epipolar", servo "broyden", 1 frame.
 

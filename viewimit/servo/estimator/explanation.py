@@ -19,7 +19,7 @@ _RULE = (
 )
 PURPOSES = {
     Purpose.PROBE: "This step, ({step}), is a test move: it shows what the joint moves.",
-    Purpose.GROW: "This step, ({step}), shows more: the pictures so far do not tell enough.",
+    Purpose.GROW: "This step, ({step}), shows more: the pictures so far are too few.",
     Purpose.NAME: "This step, ({step}), shows more: the demonstrator's points could not be named yet.",
     Purpose.LOOK: "This step, ({step}), is a look from elsewhere: it lowers the expected error by more than it costs.",
     Purpose.ARRIVE: "This step, ({step}), goes to the likeliest pose.",
@@ -28,7 +28,7 @@ PURPOSES = {
 }
 DOES = {
     Purpose.PROBE: TEST_MOVE,
-    Purpose.GROW: "It moves to see more, because the pictures so far do not tell enough.",
+    Purpose.GROW: "It moves to see more, because the pictures so far are too few.",
     Purpose.NAME: "It looks at its own body again, because no naming of the demonstrator's points fits yet.",
     Purpose.LOOK: "It looks from elsewhere first, because that lowers the expected error.",
     Purpose.ARRIVE: "It goes to the likeliest pose.",

@@ -200,7 +200,7 @@ def _loose(
     kinematics, problem = begin
     for _ in range(LOOSE_ROUNDS):
         known = problem.restricted_to_known(kinematics)
-        weights = np.full(len(more), (noise_px / slack) ** 2)
+        weights = np.full(len(more), (max(noise_px, LEAST_NOISE_PX) / slack) ** 2)
         prior = np.concatenate([known.prior_weights(len(kinematics.parameters)), weights])
         initial = Extended(np.concatenate([kinematics.parameters, more]), kinematics.points, kinematics)
         residuals: Callable[[Extended], Array] = lambda model: known.residuals(model.body, arm(model.more))  # noqa: B023

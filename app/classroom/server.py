@@ -23,12 +23,19 @@ from websockets.http11 import Request, Response
 
 from viewimit.processes import stop_signals
 
+from ..lab.lessons.format import Lesson
+from ..lab.lessons.page import HERE, lesson_page
+from ..lab.page import lab_page
 from ..server.address import is_own_page
 from ..server.limits import Limits, PendingConnections
 from ..server.web import Connection, content_policy, plain_response, serving_options
+from ..ways import Ways
 from .protocol import MAX_MESSAGE_BYTES, Rejected, decode
 from .room import Browser, Room
 
+ENTRY = "lessons/class.js"
+STYLES = "class.css", "../challenge/challenge.css"
+WAYS = Ways(play="lab", learn="./")
 LIMITS = Limits()
 TICK_S = 0.25
 MAX_FRAME_BYTES = 4 * MAX_MESSAGE_BYTES  # longer messages are not even read
@@ -82,6 +89,16 @@ class Page:
             headers["Content-Encoding"], body = "gzip", self._packed
         headers["Content-Type"], headers["Content-Length"] = "text/html; charset=utf-8", str(len(body))
         return Response(200, "OK", headers, body)
+
+
+def class_pages(lessons: Mapping[str, Lesson], embed: Sequence[str]) -> dict[str, Page]:
+    """Return the pages by path: lessons in one page, with what a lecturer and students need, and the lab. A lecturer's
+    own lessons take seconds, as they are computed."""
+    styles = "\n".join((HERE / name).read_text("utf-8") for name in STYLES)
+    return {
+        "/": Page(lesson_page(lessons, ENTRY, styles, ways=WAYS), embed),
+        "/lab": Page(lab_page(ways=WAYS), embed),
+    }
 
 
 class ClassServer:

@@ -36,8 +36,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--data",
         type=Path,
         metavar="FILE",
-        help="SQLite file that keeps the answers over a restart (one of the port, in the user's own data folder; it is "
-        "set aside if its class was more than six hours ago)",
+        help="SQLite file that keeps the answers over a restart (one for each port, in the user's own data folder; a "
+        "file of more than six hours ago is set aside)",
     )
     parser.add_argument("--new-code", action="store_true", help="forget a lecturer's code that was chosen on the page")
     parser.add_argument(
@@ -64,10 +64,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from ..classroom.answers import asks_of
-    from ..classroom.pages import class_pages, lessons_of
     from ..classroom.room import Room
-    from ..classroom.server import ClassServer, ServerOptions
+    from ..classroom.server import ClassServer, ServerOptions, class_pages
     from ..classroom.store import Store
+    from ..lab.lessons.source import find, shipped
     from ..server.address import listen, require_free, require_origin
 
     with naming("--embed"):
@@ -79,7 +79,7 @@ def run(args: argparse.Namespace) -> int:
             require_origin(origin)
     options = ServerOptions(tuple(args.embed), origins, args.trust_proxy)
     with naming("--lesson"):
-        lessons = lessons_of(args.lesson)
+        lessons = dict(map(find, args.lesson)) if args.lesson else shipped()
         pages = class_pages(lessons, options.embed)
     with naming("--data"):
         path = args.data or _usual_file(args.port)
@@ -90,7 +90,7 @@ def run(args: argparse.Namespace) -> int:
         if len(code) < MIN_CODE:
             raise BadInput(f"{CODE}: a code has {MIN_CODE} letters or more")
     elif not (sys.stdout.isatty() or room.has_own_code):
-        raise BadInput(f"no terminal to print the lecturer's code on: say it by the environment variable {CODE}")
+        raise BadInput(f"no terminal to print the lecturer's code on: set it in the environment variable {CODE}")
     try:
         with naming("--host, --port"):
             require_free(args.host, args.port)
@@ -144,6 +144,6 @@ def _say_code(has_own: bool, code: str) -> None:
     if has_own:
         print("the lecturer's code is the one chosen on the page; --new-code forgets it")
     elif CODE in os.environ:
-        print(f"the lecturer's code is that of {CODE}")
+        print(f"the lecturer's code is what {CODE} holds")
     else:
         print(f'the lecturer\'s code is {code}: type it on the page, at "Lecturer"')

@@ -72,7 +72,7 @@ def test_what_it_needs_is_said(ask, tracks, tmp_path):
     path, angles = tracks()
     for words, options in (
         ("--unmatched: needs --calibration FILE", ["--unmatched"]),
-        ("both show the learner's body, give one", ["--postures", angles, "--calibration", angles]),
+        ("both show the learner's body", ["--postures", angles, "--calibration", angles]),
     ):
         status, _, error = ask("evaluate", path, *options)
         assert status == 2 and words in error

@@ -246,7 +246,7 @@ def test_the_lab_takes_over_from_any_moment_and_leads_back(session, replay, open
     wait_until(lambda: page.evaluate("typeof lab === 'object'"))
     moment = session.history[2]
     np.testing.assert_allclose(page.evaluate(state), [moment.theta, moment.theta_demo], atol=2e-6)
-    assert "after motion 2" in page.locator("#says").inner_text() and page.locator("#run").is_hidden()
+    assert "after step 2" in page.locator("#says").inner_text() and page.locator("#run").is_hidden()
     assert "rectified pictures" in page.locator("#says").inner_text()  # the lab has none
     page.locator("#step").click()
     wait_until(lambda: page.evaluate("lab.session().now.motion") == 1)

@@ -11,7 +11,7 @@ pytestmark = pytest.mark.browser
 PAPER = """() => { dispatchEvent(new Event("beforeprint"));
 const all = [...document.querySelectorAll(".paper-lesson")].map(one => ({
   steps: [...one.querySelectorAll("section")].map(step => ({words: step.innerText.replaceAll("’", "'"),
-    boxes: step.querySelectorAll(".paper-box i").length, drawn: step.innerHTML,
+    boxes: step.querySelectorAll(".paper-box > i").length, drawn: step.innerHTML,
     figures: [...step.querySelectorAll(".drawing")].map(box => [box.clientHeight, box.innerHTML.length])})),
   width: one.clientWidth, wide: one.scrollWidth}));
 dispatchEvent(new Event("afterprint"));

@@ -140,7 +140,7 @@ def test_missing_values_are_invisible_and_reported(ask, tidy, mark):
     tidy.write_text("\n".join(lost))
     status, said, err = ask("evaluate", tidy)
     assert (status, said.replace("10 points", "9 points")) == (0, expected) and "lost" not in silent
-    assert "4 points at (0, 0), (-1, -1) or the like: taken for lost by the tracker, not seen" in err
+    assert "4 points at (0, 0), (-1, -1) or the like: counted as lost by the tracker" in err
 
 
 def test_too_few_points_are_no_success(ask, tidy):
@@ -195,7 +195,7 @@ def test_full_names_of_views_and_those_of_the_paper_are_read_alike(tmp_path, tid
     full = tmp_path / "full.csv"
     full.write_text(re.sub("(?m)^0,([lrLR]),", lambda found: f"0,{VIEW_NAMES[found[1]]},", tidy.read_text()))
     mixed = tmp_path / "mixed.csv"
-    mixed.write_text(re.sub("(?m)^0,([rL]),", lambda found: f"0, {VIEW_NAMES[found[1]]} ,", tidy.read_text()))
+    mixed.write_text(re.sub("(?m)^0,([rL]),", lambda found: f"0, {VIEW_NAMES[found[1]].title()} ,", tidy.read_text()))
     by_name = {VIEW_NAMES[view]: path for view, path in deeplabcut.items()}
     for found in (read_tidy(full), read_tidy(mixed), read_files(by_name), read_files(deeplabcut)):
         np.testing.assert_array_equal(found.views().demo[0], views.demo)

@@ -142,7 +142,7 @@ def _require_degrees(
                 return
             if np.abs(np.log(rates)).max() < SAME_UNIT:
                 raise ValueError(f"these look like {unit}, not degrees: multiply them by {degrees:.5g}")
-            raise ValueError(f"these are no degrees: {gain_words(degrees * rates)}; write degrees")
+            raise ValueError(f"these are not degrees: {gain_words(degrees * rates)}; write degrees")
 
 
 def _gains(kinematics: ProjectiveKinematics, seen: Observations, noise: float) -> NDArray[np.float64] | None:

@@ -66,9 +66,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         type=between(float, 0.0, 1.0),
         default=0.6,
         metavar="SHARE",
-        help="points of less were not seen, which is said; 0 keeps all (%(default)s)",
+        help="points of less count as not seen, and are named; 0 keeps all (%(default)s)",
     )
-    rectify = "rectify the images where that predicts points better that are left out of the fit, or never (auto)"
+    rectify = "rectify the pictures where that predicts left-out points better, or never (auto)"
     add_settings(parser, "rectify", rectify=rectify)
     lenses.add_options(parser)
     parser.add_argument(
@@ -79,7 +79,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="names in l and r are not those in L and R: find out which point is which; needs one of the next two",
     )
-    also = "it also shows why a demonstrator is no body like it"
+    also = "it also shows how the demonstrator's body differs"
     parser.add_argument(
         "--calibration", type=Path, metavar="FILE", help=f"the learner's body, by viewimit rehearse; {also}"
     )
@@ -106,7 +106,7 @@ def run(args: argparse.Namespace) -> int:
         views, points, tracked.frames, args.transfer, args.rectify != "off", rounding_px=views_rounding_std(images)
     )
     gains = of_body.get("degrees_per_unit")
-    units = None if gains is None else f"--postures: these are no degrees: {gain_words(gains)}; write degrees"
+    units = None if gains is None else f"--postures: these are not degrees: {gain_words(gains)}; write degrees"
     _say(*_lengths(tracked), *evaluate_report.shift_words(found.time_shift, tracked.frames), units)
     report = evaluate_report.Report(found, of_body, removed)
     if args.out and report.first is not None:
@@ -138,9 +138,10 @@ def _told_of(args: argparse.Namespace, tracked: TrackedPoints, removed: dict[str
     """What was noticed while the files were read."""
     if lost := tracked.n_missing(args.min_confidence):
         at = "at (0, 0), (-1, -1) or the like"
-        yield f"{lost} point{'s' if lost > 1 else ''} {at}: taken for lost by the tracker, not seen"
+        yield f"{lost} point{'s' if lost > 1 else ''} {at}: counted as lost by the tracker"
     yield from tracked.notes
     yield from tracked.unmatched_names(tuple(BODIES.values()) if args.unmatched else (VIEWS,))
+    yield tracked.doubtful_place()
     yield tracked.doubtful_units()
     yield tracked.doubtful_frames()
     if removed:
@@ -151,7 +152,7 @@ def _require_options(args: argparse.Namespace) -> None:
     """Raise BadInput for options that do not go together."""
     given = [name for name in ("calibration", "postures") if vars(args)[name] is not None]
     if len(given) > 1:
-        raise BadInput("--calibration, --postures: both show the learner's body, give one")
+        raise BadInput("--calibration, --postures: give one of them, as both show the learner's body")
     if args.unmatched and not given:
         raise BadInput(f"--unmatched: needs {NEEDED}")
 

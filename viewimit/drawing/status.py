@@ -162,10 +162,10 @@ def _resting(snapshot: Snapshot, assessment: Assessment | None, joints: Sequence
 
 
 def _costs(known: Certificate, joints: Sequence[int]) -> str:
-    """Say why joints are unobservable: the cost of noise, or that no picture tells them."""
+    """Say why joints are unobservable: the cost of noise, or that no picture shows them."""
     costly = [k for k in known.unobservable_joints if known.std_per_px[k] >= MAX_STD_PER_PX]
     if not costly:
-        return "No picture so far tells them."
+        return "No picture so far shows how they stand."
     each = [f"{svg.joint_symbol(joints[k])} by {_angle(known.std_per_px[k])}" for k in costly]
     return f"1 px of noise would shift {', '.join(each)}."
 

@@ -1,11 +1,12 @@
 /** As if both stood alike: the bold assumption, with the ghost of the goal that the learner cannot see. */
-import {DEGREE, geometry, recovered, World} from "../engine/engine.js";
+import {geometry, recovered, World} from "../engine/engine.js";
 import {pulled, turned} from "../view/drag.js";
 import {Images} from "../view/images.js";
 import {energyText, fixed} from "../view/svg.js";
-import {imageOf, Overlay, sessionOf} from "./views.js";
+import {reachable} from "./frame.js";
+import {DEMONSTRATOR, imageOf, Overlay, sessionOf, START} from "./views.js";
 
-const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DEGREE], HAND = 8;
+const HAND = 8;
 
 /** @type {import("./frame.js").FigureKind} */
 export function assumption(frame, data) {
@@ -38,9 +39,7 @@ export function assumption(frame, data) {
     return pulled(world, images, hit, event, () => theta, place);
   });
 
-  Object.assign(boxes.L, {tabIndex: 0});
-  boxes.L.setAttribute("role", "group");
-  boxes.L.setAttribute("aria-label", "Picture L. Arrow keys turn the learner’s joints by 1 degree, with Shift by 5.");
+  reachable(boxes.L, "Picture L. Arrow keys turn the learner’s joints by 1 degree, with Shift by 5.");
   frame.arrows(boxes.L, (right, up) => place(turned(theta, right, up, world.scene)));
 
   const measured = () => {

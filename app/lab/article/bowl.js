@@ -1,11 +1,10 @@
 /** E and its bowl: the map of E over both joints of the learner, and its arm in the posture that is touched. */
-import {DEGREE, farthest, recovered, World} from "../engine/engine.js";
+import {farthest, recovered, World} from "../engine/engine.js";
 import {Images} from "../view/images.js";
 import {energyText, fixed} from "../view/svg.js";
 import {Ground, KEYS} from "./ground.js";
-import {sessionOf} from "./views.js";
+import {DEMONSTRATOR, sessionOf, START} from "./views.js";
 
-const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DEGREE];
 
 /** @type {import("./frame.js").FigureKind} */
 export function bowl(frame, data) {
@@ -30,10 +29,7 @@ export function bowl(frame, data) {
     + "Drag the diamond to pose the demonstrator: the bowl goes with it.";
 
   return {
-    measure() {
-      images.measure();
-      ground.measure();
-    },
+    measure: () => [images, ground].forEach(one => one.measure()),
     draw() {
       const moment = session.observe(theta), {minimum} = ground.of(demonstrator);
       ground.draw(demonstrator, theta);

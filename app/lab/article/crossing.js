@@ -6,6 +6,7 @@ import {spreadOf} from "../lessons/figures/crossing.js";
 import {diamonds} from "../lessons/figures/drawing.js";
 import {Images} from "../view/images.js";
 import {fixed} from "../view/svg.js";
+import {reachable} from "./frame.js";
 import {imageOf, Overlay, sessionOf} from "./views.js";
 
 const POSE = [45 * DEGREE, -90 * DEGREE], HAND = 8, USUAL_CM = 60, USUAL_NOISE_PX = 1;
@@ -20,7 +21,7 @@ export function crossing(frame, data) {
   const images = new Images(boxes, data.hulls);
   const over = {
     l: new Overlay(images, 0, ["vi-mark"]), r: new Overlay(images, 1, ["vi-mark"]),
-    L: new Overlay(images, 2, ["vi-spread", "vi-draws", "vi-found vi-over"]),
+    L: new Overlay(images, 2, ["vi-draws", "vi-found vi-over"]),
   };
   let baseline = USUAL_CM, noise = USUAL_NOISE_PX, shift = [0, 0, 0, 0], world = seenWith(USUAL_CM), now = moment();
   const draws = normals();
@@ -56,9 +57,7 @@ export function crossing(frame, data) {
   frame.hint.textContent = "Drag the ringed point in l or r, or press the arrow keys there: "
     + "its line moves, and the crossing with it.";
   for (const [box, view] of /** @type {const} */ ([[boxes.l, 0], [boxes.r, 1]])) {
-    Object.assign(box, {tabIndex: 0});
-    box.setAttribute("aria-label", `Picture ${"lr"[view]}. Arrow keys move the ringed point by one pixel.`);
-    box.setAttribute("role", "group");
+    reachable(box, `Picture ${"lr"[view]}. Arrow keys move the ringed point by one pixel.`);
     frame.drag(box, event => {
       const at = mark().slice(2 * view), [x, y] = images.under(event, view), grip = [at[0] - x, at[1] - y];
       if (Math.hypot(...grip) * images.view(view).window.scale > GRIP_PX) return null;
@@ -88,10 +87,10 @@ export function crossing(frame, data) {
     draw() {
       const {found, lines, angle, halfAxes, direction, fitted, at} = construction();
       const recovered = now.views.demo.map(() => NaN);
-      images.draw(world, {moment: now, recovered, lines, chosen: HAND, goal: false, ease: 1});
+      images.draw(world, {moment: now, recovered, lines, chosen: HAND, goal: false, ease: 1,
+        construction: {ellipses: [{x: found[0], y: found[1], long: halfAxes[0], short: halfAxes[1], turn: direction / DEGREE}], steps: null}});
       over.l.marks("vi-mark", [at.slice(0, 2)]);
       over.r.marks("vi-mark", [at.slice(2)]);
-      over.L.ellipse("vi-spread", found, halfAxes, direction);
       over.L.marks("vi-draws", noise ? draws.map(n => fitted.recover(at.map((v, k) => v + noise * n[k]))) : []);
       over.L.marks("vi-found vi-over", [found], points => diamonds(points, 4));
       frame.say(

@@ -47,11 +47,7 @@ export function distance(frame, data) {
   };
 
   return {
-    measure() {
-      images.measure();
-      ground.measure();
-      chart.resize();
-    },
+    measure: () => [images, ground, chart.plane].forEach(one => one.measure()),
     draw() {
       const {world, now, value} = rigs[k];
       images.draw(world, {moment: now, recovered: recovered(now), lines: [], chosen: 8, goal: false, ease: 1});

@@ -11,8 +11,15 @@
  * @typedef {(frame: Frame, data: Data) => Figure} FigureKind */
 import {make, slider} from "../lessons/dom.js";
 import {arrowKeys, draggable} from "../view/drag.js";
+import {perFrame} from "../view/page.js";
 
 let named = 0;
+
+/** A box that keys reach. @param {HTMLElement} box @param {string} label what a screen reader says */
+export function reachable(box, label) {
+  for (const [name, value] of [["tabindex", "0"], ["role", "group"], ["aria-label", label]]) box.setAttribute(name, value);
+  return box;
+}
 
 export class Frame {
   /** @param {HTMLElement} box */
@@ -25,7 +32,7 @@ export class Frame {
     box.append(this.panels, this.controls, this.hint);
     this.maps = /** @type {EnergyMap[]} */ ([]); // maps, which are drawn on canvases
     this.figure = /** @type {Figure | null} */ (null);
-    this.waits = false;
+    this.redraw = perFrame(() => this.figure?.draw()); // in the next frame
   }
 
   /** A box for a drawing, with words below it. @param {string} area its class @param {string} caption */
@@ -39,10 +46,7 @@ export class Frame {
   mapPanel(area, caption, label) {
     const box = this.panel(`${area} map`, caption);
     box.innerHTML = '<canvas aria-hidden="true"></canvas><svg class="vi" aria-hidden="true"></svg>';
-    Object.assign(box, {tabIndex: 0});
-    box.setAttribute("role", "group");
-    box.setAttribute("aria-label", label);
-    return box;
+    return reachable(box, label);
   }
 
   /** @param {Object} what @param {string} what.label @param {number} what.low @param {number} what.high
@@ -121,16 +125,6 @@ export class Frame {
     arrowKeys(panel, (right, up) => {
       turn(right, up);
       this.redraw();
-    });
-  }
-
-  /** The next frame draws the figure. */
-  redraw() {
-    if (this.waits) return;
-    this.waits = true;
-    requestAnimationFrame(() => {
-      this.waits = false;
-      this.figure?.draw();
     });
   }
 

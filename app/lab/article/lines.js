@@ -49,7 +49,7 @@ export function lines(frame, data) {
   frame.hint.textContent = "Drag the mark along its ray, or along the line in picture L. "
     + "A tap on another point chooses it.";
   frame.drag(room, event => {
-    const [x, y] = outside.place(place(share)), [u, v] = outside.under(event);
+    const [x, y] = outside.at(place(share)), [u, v] = outside.under(event);
     return Math.hypot(x - u, y - v) > GRIP_PX ? null
       : next => move(outside.share(outside.under(next), place(0), place(1)));
   });
@@ -81,7 +81,7 @@ export function lines(frame, data) {
     measure() {
       outside.measure();
       const marked = Array.from({length: world.body.length}, (_, i) => body.subarray(3 * i, 3 * i + 3));
-      outside.aim(AZIMUTH, ELEVATION, [...marked, l.centre, beside.centre, place(FAR)]);
+      outside.look(AZIMUTH, ELEVATION, [...marked, l.centre, beside.centre, place(FAR)]);
       images.measure();
     },
     draw() {
@@ -97,7 +97,6 @@ export function lines(frame, data) {
         eyes: [{camera: l, kind: "", name: "l"}, {camera: beside, kind: "", name: "L"}],
         lines: [[l.centre, place(FAR), "vi-ray"], [beside.centre, place(share), "vi-ray-beyond"]],
         dots: [...trail.map(s => /** @type {Dot} */ ([place(s), "vi-trail"])), [place(share), "vi-mark"]],
-        labels: [],
       }, `From outside: the mark is ${fixed(share * metres(), 2)} m from camera l, on its ray`);
       if (walked < .05) frame.say(
         `The mark sits on point ${point}.`, "Slide it nearer or farther, and look at both pictures.",

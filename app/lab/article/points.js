@@ -3,9 +3,9 @@ import {DEGREE, recovered, World} from "../engine/engine.js";
 import {Images} from "../view/images.js";
 import {energyText, fixed} from "../view/svg.js";
 import {Ground, KEYS} from "./ground.js";
-import {sessionOf} from "./views.js";
+import {DEMONSTRATOR, sessionOf, START} from "./views.js";
 
-const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DEGREE], FIRST = "4", LOW_PX2 = 3;
+const FIRST = "4", LOW_PX2 = 3;
 
 /** @type {import("./frame.js").FigureKind} */
 export function points(frame, data) {
@@ -38,10 +38,7 @@ export function points(frame, data) {
     return most;
   };
   return {
-    measure() {
-      images.measure();
-      ground.measure();
-    },
+    measure: () => [images, ground].forEach(one => one.measure()),
     draw() {
       const moment = session.observe(theta), isBlank = world.body.length < 5;
       box.classList.toggle("blank", isBlank);

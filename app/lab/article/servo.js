@@ -1,13 +1,12 @@
 /** The servo feels its way: three laws that learn from their own steps, each from the same start. */
-import {DEGREE, farthest, recovered, World} from "../engine/engine.js";
+import {farthest, recovered, World} from "../engine/engine.js";
 import {Curve} from "../view/curve.js";
 import {Images} from "../view/images.js";
 import {energyText, fixed} from "../view/svg.js";
 import {SERVO_WORDS, told} from "../view/words.js";
 import {Ground, KEYS} from "./ground.js";
-import {sessionOf} from "./views.js";
+import {DEMONSTRATOR, sessionOf, START} from "./views.js";
 
-const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DEGREE];
 const LAWS = ["gradient", "gradient-retuned", "broyden"], FIRST = "broyden", MAX_STEPS = 400, STILL_STEPS = 6;
 /** @type {Record<string, number>} ms between steps */
 const PERIOD_MS = {broyden: 620, gradient: 60, "gradient-retuned": 60};
@@ -59,11 +58,7 @@ export function servo(frame, data) {
   for (let k = 0; k < STILL_STEPS; k++) advance();
 
   return {
-    measure() {
-      images.measure();
-      ground.measure();
-      curve.measure();
-    },
+    measure: () => [images, ground, curve].forEach(one => one.measure()),
     draw() {
       const {now, trace} = session;
       const path = trace.slice(0, -1).map(({theta}, k) => ({theta, probe: trace[k + 1].probe}));

@@ -28,35 +28,10 @@ function groundOf(map, id) {
     const at = (/** @type {number} */ x, /** @type {number} */ y) =>
       `${px(left + x * stepX)} ${px(bottom - y * stepY)}`;
     contour(map.z, rows, columns, level, (x0, y0, x1, y1) => { parts.push(`M${at(x0, y0)}L${at(x1, y1)}`); });
-    return joined(parts);
+    return parts.join("");
   }).join("");
   return `<svg class="vi" viewBox="0 0 ${px(map.width)} ${px(map.height)}" aria-hidden="true">
 <mask id="${id}" style="mask-type:alpha">
 <image ${area(stepX / 2, stepY / 2)} preserveAspectRatio="none" href="${map.image.toDataURL()}"/></mask>
 <rect class="vi-hills" ${area(0, 0)} mask="url(#${id})"/><path class="vi-contour" d="${d}"/></svg>`;
-}
-
-/** Spans that begin where others end, in as few strokes as they make. @param {string[]} parts each of "Mx yLx y" */
-function joined(parts) {
-  /** @type {Map<string, number[]>} spans by their ends */
-  const ends = new Map(), spans = parts.map(part => part.slice(1).split("L")).filter(([a, b]) => a !== b);
-  const used = new Set();
-  spans.forEach((span, k) => span.forEach(end => ends.set(end, [...ends.get(end) ?? [], k])));
-  const next = (/** @type {string} */ end) => ends.get(end)?.find(k => !used.has(k));
-  let d = "";
-  spans.forEach((span, first) => {
-    if (used.has(first)) return;
-    used.add(first);
-    const stroke = [...span];
-    for (const isBack of [false, true]) for (;;) { // on from the end, then from the beginning
-      const end = stroke[isBack ? 0 : stroke.length - 1], k = next(end);
-      if (k === undefined) break;
-      used.add(k);
-      const other = spans[k][0] === end ? spans[k][1] : spans[k][0];
-      if (isBack) stroke.unshift(other);
-      else stroke.push(other);
-    }
-    d += `M${stroke.join("L")}`;
-  });
-  return d;
 }

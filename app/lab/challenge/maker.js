@@ -1,7 +1,7 @@
 /** "Challenge a friend": what makes a challenge of a pose, and gives its link.
  * @import {Challenge, Level} from "./rules.js" @import {Scene} from "../engine/world.js" */
 import {World} from "../engine/engine.js";
-import {make} from "../lessons/dom.js";
+import {button, make} from "../lessons/dom.js";
 import {copy} from "../view/page.js";
 import {say} from "../view/svg.js";
 import {stepsText} from "../view/words.js";
@@ -43,8 +43,7 @@ export class Maker {
     });
     this.says = make("p", {class: "says", role: "status"});
     this.link = make("input", {type: "text", readonly: true, "aria-label": "The link"});
-    this.copying = make("button", {type: "button", class: "filled", onclick: () => void copy(this.copying, this.link.value, "The link:")},
-      "Copy link");
+    this.copying = button("Copy link", () => void copy(this.copying, this.link.value, "The link:"), "filled");
     this.playing = make("a", {class: "button"}, "Look at it");
     this.playing.addEventListener("click", () => {
       if (this.made) tried(this.made);

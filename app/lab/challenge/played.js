@@ -1,18 +1,13 @@
 /** The games that this device remembers: steps of the first game of each pose. */
+import {Memory} from "../view/memory.js";
 import {wordOf} from "./rules.js";
 
-const KEY = "viewimit-challenge", MAX_GAMES = 100;
-
-/** @returns {Record<string, number>} steps by level and word, 0 where the pose was not found */
-function kept() {
-  try {
-    const games = Object.entries(JSON.parse(localStorage.getItem(KEY) ?? "{}"));
-    return Object.fromEntries(games.filter(([, steps]) => Number.isInteger(steps)));
-  } catch { return {}; } // nothing is kept, or not by this page
-}
+const MAX_GAMES = 100;
 
 export class Played {
-  games = kept();
+  memory = new Memory(() => localStorage, "viewimit-");
+  /** Steps by level and word, 0 where the pose was not found. @type {Record<string, number>} */
+  games = Object.fromEntries(Object.entries(this.memory.read("challenge") ?? {}).filter(([, steps]) => Number.isInteger(steps)));
 
   /** Count a game, if it is the first of its pose.
    * @param {import("./rules.js").Challenge} challenge @param {number} steps 0 if the pose was not found
@@ -20,7 +15,7 @@ export class Played {
   add(challenge, steps) {
     const {level} = challenge, game = `${level} ${wordOf(challenge)}`, isPractice = Object.hasOwn(this.games, game);
     if (!isPractice) this.games = Object.fromEntries([...Object.entries(this.games).slice(1 - MAX_GAMES), [game, steps]]);
-    try { localStorage.setItem(KEY, JSON.stringify(this.games)); } catch { /* it lives as long as the page */ }
+    this.memory.set("challenge", JSON.stringify(this.games));
     const found = Object.entries(this.games).filter(([name, made]) => made && name.startsWith(`${level} `)).map(([, made]) => made);
     return {isPractice, best: found.length ? Math.min(...found) : 0};
   }

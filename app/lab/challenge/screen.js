@@ -1,6 +1,6 @@
 /** A challenge on the page: pictures, two sliders and Go, and how it ended. */
 import {recovered, World} from "../engine/engine.js";
-import {make} from "../lessons/dom.js";
+import {button, make} from "../lessons/dom.js";
 import {Images} from "../view/images.js";
 import {copy} from "../view/page.js";
 import {say} from "../view/svg.js";
@@ -41,8 +41,6 @@ export class Screen {
     this.lost = 0; // games, one after the other
     const views = Object.fromEntries(VIEWS.map(view => [view, make("div")]));
     const text = (/** @type {"p" | "b" | "small"} */ tag, /** @type {string} */ kind) => make(tag, {class: kind});
-    const button = (/** @type {string} */ words, /** @type {() => void} */ act, kind = "plain") =>
-      make("button", {type: "button", class: kind, onclick: act}, words);
     this.words = {task: text("p", "task"), rule: text("p", "rule"), E: text("b", "E"), change: text("p", "change"),
       count: text("small", "count"), fact: text("p", "fact"), best: text("p", "best")};
     this.said = make("p", {class: "unseen", role: "status"});

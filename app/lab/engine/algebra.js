@@ -163,3 +163,9 @@ function identity(n) {
   for (let i = 0; i < n; i++) I[i * n + i] = 1;
   return I;
 }
+
+/** @param {number[]} values */
+export function median(values) {
+  const ordered = [...values].sort((a, b) => a - b), middle = (ordered.length - 1) / 2;
+  return (ordered[Math.floor(middle)] + ordered[Math.ceil(middle)]) / 2;
+}

@@ -47,12 +47,7 @@ export class Session {
   }
 
   /** Begin again, at motion 0. @param {Settings} settings */
-  begin(settings) {
-    this.settings = this.#complete(settings);
-    this.observer = this.#observer();
-    this.history = [this.#first()];
-    this.trace = [traced(this.now)];
-  }
+  begin(settings) { Object.assign(this, new Session(this.world, settings)); }
 
   get now() { return this.history[this.history.length - 1]; }
 

@@ -20,6 +20,7 @@
  * @typedef {{demo: Float64Array, demoSeen: Uint8Array, own: Float64Array, ownSeen: Uint8Array}} Views all four
  * @typedef {{noisePx: number, missing: number, seed: number}} Disturbance noisePx: standard deviation of a
  * coordinate; missing: share of points that an image does not show */
+import {median} from "./algebra.js";
 import {centred, centroid} from "./affine.js";
 import {project} from "./camera.js";
 import {Arm} from "./kinematics.js";
@@ -131,10 +132,4 @@ export function select(images, points) {
 function imageUnit(images) {
   const away = centred(images, centroid(images)), square = away.reduce((sum, v) => sum + v * v, 0);
   return square > 0 ? Math.sqrt(square * 2 / images.length) / TYPICAL_PX : 1;
-}
-
-/** @param {number[]} values */
-function median(values) {
-  const ordered = [...values].sort((a, b) => a - b), middle = (ordered.length - 1) / 2;
-  return (ordered[Math.floor(middle)] + ordered[Math.ceil(middle)]) / 2;
 }

@@ -6,7 +6,7 @@
  * @typedef {{answered: () => void, startAgain: () => void, isLocked: () => boolean, bar: (k: number) => {count:
  * number, share: number} | null}} Host what the page does about it; bar: how many of a class have given an answer */
 import {isAnswered, isReached, rightChoice} from "./answers.js";
-import {inline, isTouched, make, plain, slider, touched} from "./dom.js";
+import {inline, isTouched, make, option, plain, slider, touched} from "./dom.js";
 import {fill, measure} from "./measures.js";
 import {energy, short} from "./measured.js";
 
@@ -31,27 +31,25 @@ function choice(stage, host) {
     stage.answer = {choice: k};
     host.answered();
   };
-  const options = answers.map(({text}, k) => make("button", {type: "button", class: "option", onclick: () => take(k)},
-    make("kbd", {"aria-hidden": true}, String(k + 1)), make("span", {html: inline(fill(text, stage))}),
-      make("i", {class: "verdict", "aria-hidden": true}), make("span", {class: "unseen"}),
-      make("i", {class: "bar", "aria-hidden": true}),
-      make("small", {class: "count"})));
+  const options = answers.map(({text}, k) => option(String(k + 1), inline(fill(text, stage)), () => take(k),
+    make("i", {class: "verdict", "aria-hidden": true}), make("span", {class: "unseen"}),
+    make("i", {class: "bar", "aria-hidden": true}), make("small", {class: "count"})));
   return {
     element: make("div", {class: "options", role: "group", "aria-label": "Answers"}, ...options),
     update() {
       const right = stage.isRevealed ? rightChoice(stage) : -1;
-      options.forEach((option, k) => {
+      options.forEach((one, k) => {
         const isChosen = stage.answer.choice === k, bar = host.bar(k);
-        option.setAttribute("aria-pressed", String(isChosen));
-        option.disabled = host.isLocked() && !stage.isRevealed;
-        option.setAttribute("aria-disabled", String(stage.isRevealed));
-        option.className = `option${isChosen ? " chosen" : ""}${stage.isRevealed ? k === right ? " right" : isChosen ? " wrong" : " other" : ""}`;
-        option.querySelector(".verdict")?.replaceChildren(stage.isRevealed ? k === right ? "✓" : isChosen ? "✗" : ""
+        one.setAttribute("aria-pressed", String(isChosen));
+        one.disabled = host.isLocked() && !stage.isRevealed;
+        one.setAttribute("aria-disabled", String(stage.isRevealed));
+        one.className = `option${isChosen ? " chosen" : ""}${stage.isRevealed ? k === right ? " right" : isChosen ? " wrong" : " other" : ""}`;
+        one.querySelector(".verdict")?.replaceChildren(stage.isRevealed ? k === right ? "✓" : isChosen ? "✗" : ""
           : "");
         const verdict = !stage.isRevealed ? "" : k === right ? " (right)" : isChosen ? " (your answer, not right)" : "";
-        option.querySelector(".unseen")?.replaceChildren(verdict);
-        option.style.setProperty("--share", bar ? String(bar.share) : "0");
-        option.querySelector(".count")?.replaceChildren(bar ? `${bar.count} · ${Math.round(100 * bar.share)} %` : "");
+        one.querySelector(".unseen")?.replaceChildren(verdict);
+        one.style.setProperty("--share", bar ? String(bar.share) : "0");
+        one.querySelector(".count")?.replaceChildren(bar ? `${bar.count} · ${Math.round(100 * bar.share)} %` : "");
       });
     },
     key(key) {
@@ -94,9 +92,7 @@ function number(stage, host) {
     host.answered();
   });
   return {
-    element: make("div", {class: "number"}, output, input,
-      make("div", {class: "ends", "aria-hidden": true}, make("span", {}, `${low}${unit}`),
-      make("span", {}, `${high}${unit}`))),
+    element: make("div", {class: "number"}, output, input, ends(`${low}${unit}`, `${high}${unit}`)),
     update() {
       const {number: value} = stage.answer, words = value === undefined ? "?"
         : `${short(value).replace(/\.0+$/, "")}${unit}`;
@@ -105,6 +101,9 @@ function number(stage, host) {
     },
   };
 }
+
+/** What stands under a slider. @param {...string} words */
+const ends = (...words) => make("div", {class: "ends", "aria-hidden": true}, ...words.map(one => make("span", {}, one)));
 
 /** Something to be reached. @param {Stage} stage @param {Host} host @returns {Asked} */
 function task(stage, host) {
@@ -162,9 +161,7 @@ function bet(stage, host) {
     host.answered();
   });
   return {
-    element: make("div", {class: "number"}, which, output, input,
-      make("div", {class: "ends", "aria-hidden": true}, make("span", {}, "surely false"), make("span", {}, "no idea"),
-      make("span", {}, "surely true"))),
+    element: make("div", {class: "number"}, which, output, input, ends("surely false", "no idea", "surely true")),
     update() {
       const words = isAnswered(stage) && stage.answer.bet !== undefined ? `${stage.answer.bet} %` : "?";
       output.textContent = words;

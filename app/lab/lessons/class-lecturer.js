@@ -7,15 +7,16 @@
  * @typedef {{item: string, persons: number, before: number, after: number}} Item */
 import {CHALLENGE, newChallenge} from "./class-challenge.js";
 import {tab} from "./class-link.js";
-import {inline, make, plain} from "./dom.js";
+import {button, inline, make, plain} from "./dom.js";
 import {isForPage} from "../view/keys.js";
 import {EnergyMap} from "../view/map.js";
 import {add, energyText, escaped} from "../view/svg.js";
+import {stepsText} from "../view/words.js";
 
 const SURE_MS = 5000; // in which a second press means it
 const TABS = ["Students", "Paths", "Standings", "Gain", "Join", "More"];
 const SORTS = /** @type {Record<string, (one: Person) => number>} */ ({
-  step: one => one.at?.number ?? -1, E: one => -(one.at?.E ?? -1), motions: one => -(one.at?.motions ?? 0),
+  place: one => one.at?.number ?? -1, E: one => -(one.at?.E ?? -1), steps: one => -(one.at?.motions ?? 0),
 });
 const SAME_RAD = 0.002, TILE = {width: 120, height: 66};
 
@@ -32,7 +33,7 @@ export class Lecturer {
     this.gain = /** @type {any} */ (null);
     this.invitation = /** @type {{address: string, qr: string} | null} */ (null);
     this.tab = "";
-    this.sort = "step";
+    this.sort = "place";
     this.note = "";
     this.sure = "";
     this.bar = document.body.appendChild(make("section", {class: "class-bar", "aria-label": "What the class does", hidden: true}));
@@ -94,33 +95,33 @@ export class Lecturer {
 
   #bar() {
     const {orders, link} = this.room, {asked} = orders, here = this.here(), count = this.people.size;
-    const button = (/** @type {string} */ words, /** @type {() => void} */ act, /** @type {object} */ how = {}) =>
+    const order = (/** @type {string} */ words, /** @type {() => void} */ act, /** @type {object} */ how = {}) =>
       make("button", {type: "button", onclick: () => { act(); this.draw(); }, ...how}, words);
     /** @type {HTMLElement[]} */
     const rows = [make("button", {type: "button", class: "class-count", "aria-expanded": String(Boolean(this.tab)), title: "Who is here (M)", onclick: () => this.open(this.tab ? "" : "Students")},
       make("b", {}, String(count)), " here")];
     if (!link.isOpen) return [...rows, make("span", {class: "warns"}, "No connection to the class’s server.")];
-    if (!this.isLeader) return [...rows, make("span", {class: "warns"}, "Another of your pages leads the class."), button("Take over", () => this.order("take"), {class: "filled"})];
+    if (!this.isLeader) return [...rows, make("span", {class: "warns"}, "Another of your pages leads the class."), order("Take over", () => this.order("take"), {class: "filled"})];
     if (asked) {
       const total = this.results?.now.total ?? 0;
       rows.push(make("span", {class: "class-asked"}, make("b", {}, `${total} of ${count}`), asked.times > 1 ? ` answered, round ${asked.times}` : " answered"));
-      if (!this.#isAtQuestion()) rows.push(button("Go to the question", () => this.#goToQuestion()));
-      if (!asked.revealed) rows.push(button(this.showsAnswers ? "Hide answers" : "Show answers", () => this.#showAnswers(), {"aria-pressed": String(this.showsAnswers)}),
-        button("Reveal", () => this.#reveal(), {class: "filled"}));
-      rows.push(button("Ask again", () => this.#askAgain(), {class: asked.revealed ? "filled" : ""}),
-        button("Close the question", () => this.order("close")));
+      if (!this.#isAtQuestion()) rows.push(order("Go to the question", () => this.#goToQuestion()));
+      if (!asked.revealed) rows.push(order(this.showsAnswers ? "Hide answers" : "Show answers", () => this.#showAnswers(), {"aria-pressed": String(this.showsAnswers)}),
+        order("Reveal", () => this.#reveal(), {class: "filled"}));
+      rows.push(order("Ask again", () => this.#askAgain(), {class: asked.revealed ? "filled" : ""}),
+        order("Close the question", () => this.order("close")));
     } else {
       const again = here && this.count.asked.some((/** @type {any} */ one) => one.lesson === here.lesson && one.step === here.step && one.phase === here.phase);
-      rows.push(button(again ? "Ask again" : "Ask the class", () => this.order("ask", this.here() ?? {}), {class: "filled", disabled: !here}),
-        button("Gather here", () => this.#gather(), {disabled: !here, title: "All go to this step, and on at their own pace"}),
-        button("Challenge", () => this.#challenge(), {title: "All get one pose to copy, in as few steps as possible"}),
-        button(orders.lead ? "Release" : "Lead", () => this.order("lead", {on: !orders.lead}), {"aria-pressed": String(orders.lead), title: "All follow this page"}));
+      rows.push(order(again ? "Ask again" : "Ask the class", () => this.order("ask", this.here() ?? {}), {class: "filled", disabled: !here}),
+        order("Gather here", () => this.#gather(), {disabled: !here, title: "All go to this step, and on at their own pace"}),
+        order("Challenge", () => this.#challenge(), {title: "All get one pose to copy, in as few steps as possible"}),
+        order(orders.lead ? "Release" : "Lead", () => this.order("lead", {on: !orders.lead}), {"aria-pressed": String(orders.lead), title: "All follow this page"}));
     }
-    rows.push(button(orders.frozen ? "Unfreeze" : "Freeze", () => this.order("freeze", {on: !orders.frozen}), {"aria-pressed": String(orders.frozen), title: "Lock the pages of all"}),
-      button(orders.hidden ? "Show truth" : "Hide truth", () => this.#hide(), {"aria-pressed": String(orders.hidden), title: "On all screens (T)"}));
+    rows.push(order(orders.frozen ? "Unfreeze" : "Freeze", () => this.order("freeze", {on: !orders.frozen}), {"aria-pressed": String(orders.frozen), title: "Lock the pages of all"}),
+      order(orders.hidden ? "Show truth" : "Hide truth", () => this.#hide(), {"aria-pressed": String(orders.hidden), title: "On all screens (T)"}));
     if (this.count.problem) rows.push(make("span", {class: "warns"}, this.count.problem));
     if (this.note) rows.push(make("span", {class: "class-said"}, this.note));
-    rows.push(button("Large", () => this.#present(), {class: "class-large", title: "Large letters for a projector (P)", "aria-pressed": String(this.isPresenting)}));
+    rows.push(order("Large", () => this.#present(), {class: "class-large", title: "Large letters for a projector (P)", "aria-pressed": String(this.isPresenting)}));
     return rows;
   }
 
@@ -239,7 +240,7 @@ export class Lecturer {
     const place = (/** @type {number[]} */ [a, b]) => scene ? [4 + (b - scene.lower[1]) / (scene.upper[1] - scene.lower[1]) * (width - 8), 4 + (scene.upper[0] - a) / (scene.upper[0] - scene.lower[0]) * (height - 8)].map(v => v.toFixed(1)) : ["0", "0"];
     const path = pairs(at?.path ?? []).map(place), last = path[path.length - 1], goal = !isSecret && at?.demonstrator ? place(at.demonstrator) : null;
     const drawing = scene && last ? `<svg viewBox="0 0 ${width} ${height}" aria-hidden="true"><path class="way" d="M${path.map(p => p.join(" ")).join("L")}"/>${goal ? `<path class="goal" d="M${goal[0]} ${goal[1]}m-4 0l4-4 4 4-4 4z"/>` : ""}<circle cx="${last[0]}" cy="${last[1]}" r="3.6"/></svg>` : "";
-    const facts = [at?.E != null ? `E ${energyText(at.E)} px²` : "", at?.motions ? `${at.motions} ${at.motions === 1 ? "motion" : "motions"}` : "", !isSecret && at?.off != null && at.motions ? `${at.off}° off` : ""].filter(Boolean);
+    const facts = [at?.E != null ? `E ${energyText(at.E)} px²` : "", at?.motions ? stepsText(at.motions) : "", !isSecret && at?.off != null && at.motions ? `${at.off}° off` : ""].filter(Boolean);
     return make("button", {type: "button", class: `class-tile${at?.answered ? " answered" : ""}`, "data-person": String(person), title: "Open a copy of this screen", onclick: () => this.order("request", {place: person}),
       html: `<b>${escaped(name || "Student")}</b><span>${escaped(where)}${at?.answered ? " ✓" : ""}</span>${drawing}<small>${escaped(facts.join(" · "))}</small>`});
   }
@@ -251,7 +252,7 @@ export class Lecturer {
     if (!stage || stage.moment.theta.length !== 2) return make("div", {class: "class-inside"}, make("p", {class: "text"}, "Go to a step with two joints: its bowl is drawn here, with the path of everyone who is at this step."));
     const here = at.filter(one => one.at?.demonstrator?.every((v, k) => Math.abs(v - stage.moment.thetaDemo[k]) < SAME_RAD));
     const motions = here.map(one => one.at?.motions ?? 0).sort((a, b) => a - b), median = motions[Math.floor(motions.length / 2)] ?? 0;
-    const words = here.length ? `${here.length} of ${at.length} at this step have the same target as this page. Motions: ${motions[0]} to ${motions[motions.length - 1]}, median ${median}.`
+    const words = here.length ? `${here.length} of ${at.length} at this step have the same target as this page. Steps: ${motions[0]} to ${motions[motions.length - 1]}, median ${median}.`
       : at.length ? `${at.length} are at this step, each with another target than this page.` : "Nobody is at this step.";
     this.shownPaths = here.map(one => pairs(one.at?.path ?? []));
     const made = make("div", {class: "class-inside class-bowl"}, make("p", {class: "text"}, words),
@@ -279,7 +280,7 @@ export class Lecturer {
 
   #gainOf() {
     const {gain} = this, items = this.room.lesson.lessons().flatMap((/** @type {any} */ one) => one.questions ?? []);
-    const refresh = make("button", {type: "button", class: "plain", onclick: () => this.order("gain")}, "Count again");
+    const refresh = button("Count again", () => this.order("gain"));
     if (!gain) return make("div", {class: "class-inside"}, make("p", {class: "text"}, "Counting …"));
     if (!gain.enough) return make("div", {class: "class-inside"}, make("p", {class: "text"}, `${gain.persons} ${gain.persons === 1 ? "person has" : "persons have"} answered the eight questions before and after. Below five nothing is shown: single persons could be recognised.`), refresh);
     const two = (/** @type {number} */ value) => value.toFixed(2).replace("-", "−"), percent = (/** @type {number} */ value) => `${Math.round(100 * value)} %`;
@@ -305,7 +306,6 @@ export class Lecturer {
   }
 
   #more() {
-    const button = (/** @type {string} */ words, /** @type {() => void} */ act, kind = "plain") => make("button", {type: "button", class: kind, onclick: act}, words);
     const twice = (/** @type {string} */ words, /** @type {() => void} */ act) => button(this.sure === words ? `${words}: sure?` : words, () => {
       if (this.sure === words) {
         this.sure = "";

@@ -1,5 +1,7 @@
 /** The connection of a class: one websocket that comes back, and answers that wait until the server has kept them. */
 
+import {Memory} from "../view/memory.js";
+
 /** @typedef {{kind: string, [field: string]: any}} Message
  * @typedef {{kind: "answer", seq: number, lesson: string, step: string, answer: Record<string, any>, round: number,
  * phase: string, sure: boolean | null, seconds: number | null}} Answer */
@@ -11,34 +13,9 @@ const SILENT = "The server does not answer. Check that this device is on the cla
 const MAX_KEPT = 300, SEQUENCE = 1_000_000;
 const PREFIX = `viewimit-class ${location.pathname} `;
 
-/** What a browser keeps for this page: for all its tabs, for this tab, or as long as the page is open. */
-class Memory {
-  /** @param {() => Storage} storage */
-  constructor(storage) {
-    this.own = /** @type {Map<string, string>} */ (new Map());
-    this.storage = /** @type {Storage | null} */ (null);
-    try {
-      storage().setItem(`${PREFIX}test`, "1");
-      storage().removeItem(`${PREFIX}test`);
-      this.storage = storage();
-    } catch { /* a frame or a private window that keeps nothing */ }
-  }
-
-  /** @param {string} key */
-  get(key) { return this.storage ? this.storage.getItem(PREFIX + key) : this.own.get(key) ?? null; }
-
-  /** @param {string} key @param {string | null} value null forgets it */
-  set(key, value) {
-    if (value === null) this.own.delete(key);
-    else this.own.set(key, value);
-    try {
-      if (value === null) this.storage?.removeItem(PREFIX + key);
-      else this.storage?.setItem(PREFIX + key, value);
-    } catch { this.storage = null; }
-  }
-}
-export const browser = new Memory(() => localStorage);
-export const tab = new Memory(() => sessionStorage);
+/** For all tabs of the page, and for this one. */
+export const browser = new Memory(() => localStorage, PREFIX);
+export const tab = new Memory(() => sessionStorage, PREFIX);
 
 /** Who this browser is to the class: a random number that nobody else has. */
 function token() {
@@ -126,10 +103,8 @@ export class Link {
 
   /** Answers that the server has not yet kept. @returns {Answer[]} */
   waiting() {
-    try {
-      const found = JSON.parse(browser.get("answers") ?? "[]");
-      return Array.isArray(found) ? found : [];
-    } catch { return []; }
+    const found = browser.read("answers");
+    return Array.isArray(found) ? found : [];
   }
 
   #resend() {

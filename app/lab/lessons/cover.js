@@ -2,7 +2,7 @@
  * @import {Lesson} from "./stage.js" @import {Button} from "./step-screen.js"
  * @typedef {{name: string, title: string, about: string, afterwards?: string, minutes: number}} Other served beside
  * this page */
-import {inline, make} from "./dom.js";
+import {button, inline, make} from "./dom.js";
 import {QUESTION_S} from "./questions.js";
 import {StillScreen} from "./screens.js";
 
@@ -57,17 +57,14 @@ const minutesOf = ({minutes, questions}) => minutes + Math.round(2 * QUESTION_S 
 /** @param {Lesson} lesson @param {{words: string, done: number, isAsked: boolean}} state @param {any} acts */
 function actsOn(lesson, {words, done, isAsked}, acts) {
   const {questions, steps} = lesson, count = questions?.length ?? 0;
-  const plain = (/** @type {string} */ name, /** @type {() => void} */ act) =>
-    make("button", {type: "button", class: "plain", onclick: act}, name);
   return [
     make("p", {class: "starts"}, make("button", {type: "button", class: "filled", onclick: () => acts.start(lesson)}, words),
-      count && !done ? plain("Without the questions before it", () => acts.steps(lesson)) : null,
-      isAsked ? plain("See the end", () => acts.end(lesson)) : null,
-      done ? plain("Start again", () => acts.forget(lesson)) : null),
+      count && !done ? button("Without the questions before it", () => acts.steps(lesson)) : null,
+      isAsked ? button("See the end", () => acts.end(lesson)) : null,
+      done ? button("Start again", () => acts.forget(lesson)) : null),
     make("details", {class: "contents"},
       make("summary", {}, `${steps.length} ${steps.length === 1 ? "step" : "steps"}${count ? `, ${count} questions before and after` : ""}${done ? `, ${done} done` : ""}`),
-      make("ol", {}, ...steps.map(({id, title}) => make("li", {}, make("button", {type: "button", class: "link",
-        onclick: () => acts.step(lesson, id)}, title))))),
+      make("ol", {}, ...steps.map(({id, title}) => make("li", {}, button(title, () => acts.step(lesson, id), "link"))))),
   ];
 }
 

@@ -19,6 +19,13 @@ export function make(tag, properties = {}, ...children) {
   return made;
 }
 
+/** @param {string} words @param {() => void} act @param {string} [kind] its class */
+export const button = (words, act, kind = "plain") => make("button", {type: "button", class: kind, onclick: act}, words);
+
+/** An answer to press, with its key. @param {string} key @param {string} html @param {() => void} take @param {...Node} more */
+export const option = (key, html, take, ...more) => make("button", {type: "button", class: "option", onclick: take},
+  make("kbd", {"aria-hidden": true}, key), make("span", {html}), ...more);
+
 /** Whether a finger is what points here. */
 export const isTouched = () => matchMedia("(pointer: coarse)").matches;
 

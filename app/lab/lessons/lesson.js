@@ -33,7 +33,7 @@ import {Stage} from "./stage.js";
 import {StepScreen} from "./step-screen.js";
 import {Store} from "./store.js";
 import {isForPage} from "../view/keys.js";
-import {byId as $, fault, unpacked} from "../view/page.js";
+import {byId as $, fault, perFrame, unpacked} from "../view/page.js";
 
 const WORDS_A_MINUTE = 200, LOOKING_S = 25, ACTING_S = 50, ROUND_S = 15; // of a step: to estimate the time that is left
 const FIRST_SEEDS = 97, MAX_SHARED = 60; // motions that others are sent
@@ -65,6 +65,7 @@ function begin(data) {
    * suspended */
   let before = null;
   let isFrozen = false, isLed = false, isHeld = false, isTruthHidden = false, isArriving = false;
+  const redraw = perFrame(draw);
   const isLocked = () => isFrozen || isLed, kept = () => store.of(lesson.name);
 
   /** The state of viewimit's page that one came from, as its links have it. */
@@ -90,6 +91,7 @@ function begin(data) {
     ? of.kind : `${of.kind}-${of.k + 1}`;
   /** @param {Lesson} of @param {string} name @returns {Place} */
   const placeOf = (of, name) => placesOf(of).find(one => nameOf(one) === name) ?? {kind: "home"};
+  const stepAt = () => lesson.steps.findIndex(({id}) => place.kind === "step" && id === place.id);
   const index = () => placesOf(lesson).findIndex(one => nameOf(one) === nameOf(place));
 
   /** @param {Lesson} next @param {Place} to @param {number} [seed] of the random state */
@@ -302,15 +304,6 @@ function begin(data) {
 
   // Drawing
 
-  let isDue = false;
-  function redraw() {
-    if (isDue) return;
-    isDue = true;
-    requestAnimationFrame(() => {
-      isDue = false;
-      draw();
-    });
-  }
   function draw() {
     screen?.draw();
     drawHead();
@@ -319,8 +312,7 @@ function begin(data) {
   }
 
   function drawHead() {
-    const steps = lesson.steps, at = place.kind === "step"
-      ? steps.findIndex(({id}) => place.kind === "step" && id === place.id) : -1;
+    const steps = lesson.steps, at = stepAt();
     const where = place.kind === "step" ? `${at + 1} of ${steps.length}` : place.kind === "before"
       ? `Question ${place.k + 1} of ${lesson.questions?.length}, before`
       : place.kind === "after" ? `Question ${place.k + 1} of ${lesson.questions?.length}, after`
@@ -350,8 +342,7 @@ function begin(data) {
   function left() {
     if (place.kind === "home" || place.kind === "end") return "";
     const {steps} = lesson, all = steps.reduce((sum, step) => sum + secondsOf(step), 0);
-    const at = place.kind === "step" ? steps.findIndex(({id}) => place.kind === "step" && id === place.id)
-      : place.kind === "before" ? 0 : steps.length;
+    const at = place.kind === "step" ? stepAt() : place.kind === "before" ? 0 : steps.length;
     const open = steps.slice(at).filter(({id}) => !kept().steps[id]?.revealed).reduce((sum, step) =>
       sum + secondsOf(step) - (step.id === stage?.step.id ? roundsMade(stage) * ROUND_S : 0), 0);
     const count = lesson.questions?.length ?? 0, asked = place.kind === "before" ? 2 * count - place.k

@@ -2,6 +2,8 @@
  * moving the demonstrator costs transfers only.
  * @import {Look, Who} from "../engine/world.js" @import {Stage} from "./stage.js" */
 import {DEGREE, energyAt, Landscape, lowest, matched, TRANSFERS, World} from "../engine/engine.js";
+import {median} from "../engine/algebra.js";
+import {once} from "../view/once.js";
 
 const MOVING_DEG = 3; // of maps that a slider of the eyes updates
 const WORST_CONDITION = 1e6;
@@ -29,58 +31,35 @@ export class Altered extends World {
 /** @param {string} transfer @param {Look} demo */
 const seenBy = (transfer, demo) => `${transfer} ${demo.images.join()} ${demo.seen.join("")}`;
 
-const maps = /** @type {WeakMap<World, Map<string, {landscape: Landscape, key: string}>>} */ (new WeakMap());
-
 /** The map of E. The same one comes back until something is asked for that changes it.
  * @param {World} world @param {string} transfer @param {Look} demo images of the demonstrator
  * @param {number} [stepDeg] @returns {{landscape: Landscape, key: string}} key: differs where E does */
 export function mapOf(world, transfer, demo, stepDeg = MAP_DEG) {
-  const known = maps.get(world) ?? new Map(), grid = String(stepDeg), key = seenBy(transfer, demo);
-  maps.set(world, known);
-  const made = known.get(grid) ?? {landscape: new Landscape(world, stepDeg), key: ""};
-  known.set(grid, made);
-  if (made.key !== key) {
-    made.landscape.evaluate(transfer, demo);
-    made.key = key;
-  }
-  return made;
+  const key = seenBy(transfer, demo), landscape = once(world, `grid ${stepDeg}`, () => new Landscape(world, stepDeg));
+  once(landscape, "E", () => landscape.evaluate(transfer, demo), key);
+  return {landscape, key};
 }
 
 /** Where a function of the posture is smallest, near the lowest posture of its map; null where that is nowhere known.
  * @param {Landscape} map @param {(theta: number[]) => number} of */
 export const lowestOf = ({minimum, stepDeg, world}, of) => minimum && lowest(of, minimum.theta, stepDeg * DEGREE, world.scene);
 
-const minima = /** @type {WeakMap<World, {key: string, theta: number[] | null}>} */ (new WeakMap());
-
 /** The posture where E is smallest, null where it is nowhere known.
  * @param {World} world @param {string} transfer @param {Look} demo
  * @param {number} [stepDeg] of the map where the search begins @returns {number[] | null} rad */
-export function smallest(world, transfer, demo, stepDeg = MAP_DEG) {
-  const key = seenBy(transfer, demo), known = minima.get(world);
-  if (known?.key === key) return known.theta;
-  const {landscape} = mapOf(world, transfer, demo, stepDeg);
-  const theta = lowestOf(landscape, at => energyAt(world, transfer, demo, at));
-  minima.set(world, {key, theta});
-  return theta;
-}
-
-const conditions = /** @type {WeakMap<World, {key: string, median: number}>} */ (new WeakMap());
+export const smallest = (world, transfer, demo, stepDeg = MAP_DEG) => once(world, "smallest", () =>
+  lowestOf(mapOf(world, transfer, demo, stepDeg).landscape, at => energyAt(world, transfer, demo, at)), seenBy(transfer, demo));
 
 /** The median of cond(A) over the postures of a grid.
  * @param {World} world @param {string} transfer @param {Look} demo @param {number} stepDeg */
-export function medianCondition(world, transfer, demo, stepDeg) {
-  const key = `${stepDeg} ${seenBy(transfer, demo)}`, known = conditions.get(world);
-  if (known?.key === key) return known.median;
+export const medianCondition = (world, transfer, demo, stepDeg) => once(world, "condition", () => {
   const grid = new Landscape(world, stepDeg), found = [];
   for (let g = 0; g < grid.count; g++) {
     const used = matched(world, demo, grid.posture(g));
     if (used) found.push(Math.min(TRANSFERS[transfer].fit(used.demo, used.own).condition, WORST_CONDITION));
   }
-  found.sort((a, b) => a - b);
-  const middle = (found.length - 1) / 2, median = (found[Math.floor(middle)] + found[Math.ceil(middle)]) / 2;
-  conditions.set(world, {key, median});
-  return median;
-}
+  return median(found);
+}, `${stepDeg} ${seenBy(transfer, demo)}`);
 
 /** Images of the demonstrator, with swapped points if the step has some. @param {Stage} stage @returns {Look} */
 function demoLook(stage) {

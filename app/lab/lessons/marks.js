@@ -1,5 +1,6 @@
 /** Marks in the figure that is asked about: the visitor's own, those of a class, and how far from the truth.
  * @import {Stage, Mark, Figure} from "./stage.js" */
+import {draggable} from "../view/drag.js";
 import {add, drawingUnit, px} from "../view/svg.js";
 import {judged, measure} from "./measures.js";
 import {distance, nearest} from "./measured.js";
@@ -20,19 +21,13 @@ export class Marks {
     this.isOpen = isOpen;
     this.svg = add(box, "svg", {class: "vi marks", "aria-hidden": "true"});
     this.last = "";
-    let held = -1;
     box.tabIndex = 0;
-    box.addEventListener("pointerdown", event => {
-      if (!isOpen() || event.button !== 0) return;
-      held = event.pointerId;
-      box.setPointerCapture(held);
+    draggable(box, event => {
+      if (!isOpen()) return null;
       box.focus(/** @type {any} */ ({preventScroll: true, focusVisible: false}));
       this.#at(event);
-      event.preventDefault();
-    });
-    box.addEventListener("pointermove", event => { if (event.pointerId === held && isOpen()) this.#at(event); });
-    for (const name of /** @type {const} */ (["pointerup", "pointercancel"])) box.addEventListener(name,
-      () => { held = -1; });
+      return moved => { if (isOpen()) this.#at(moved); };
+    }, () => {});
   }
 
   /** Arrow keys move the mark. @param {KeyboardEvent} event @returns {boolean} whether it is taken */

@@ -3,6 +3,7 @@
  * @import {Stage, Measure} from "./stage.js" @import {Run} from "./teach_by_showing.js" */
 import {DEGREE, fixed} from "../view/svg.js";
 import {measured} from "./measured.js";
+import {once} from "../view/once.js";
 import {coordinatesOf, stepsTo, teachByShowing} from "./teach_by_showing.js";
 
 export const GAINS = [0.1, 1, 2.2];
@@ -12,16 +13,6 @@ const TURNED_GAIN = 0.3, TURNED_POINT = 9; // the servo of the turned camera see
 export const GAIN_STEPS = 40;
 export const TURNED_STEPS = 40;
 const SWINGS = 10; // last steps of a gain that never arrives
-
-const computed = /** @type {WeakMap<Stage, Map<string, any>>} */ (new WeakMap()); // results by stage
-
-/** @template T @param {Stage} stage @param {string} key @param {() => T} compute @returns {T} */
-function once(stage, key, compute) {
-  const known = computed.get(stage) ?? new Map();
-  computed.set(stage, known);
-  if (!known.has(key)) known.set(key, compute());
-  return known.get(key);
-}
 
 /** The same way with three gains: Broyden's update corrects J after each step. @param {Stage} stage @returns {Run[]} */
 export const gainRuns = stage => once(stage, "gains", () => GAINS.map(gain => teachByShowing(stage.world, {

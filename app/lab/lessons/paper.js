@@ -3,7 +3,7 @@
  * @import {Lesson, Page, FigureUse} from "./stage.js" */
 import {rightChoice} from "./answers.js";
 import {inline, make} from "./dom.js";
-import {ending} from "./figures/cards.js";
+import {ending, table as tableOf} from "./figures/cards.js";
 import {FIGURES} from "./figures/registry.js";
 import {fill, grade, measure} from "./measures.js";
 import {short} from "./measured.js";
@@ -150,10 +150,7 @@ const letter = k => "abcdef"[k];
 const counted = count => Array.from({length: count ?? 1}, (_, k) => String(k + 1));
 
 /** @param {string[]} heads @param {string[][]} rows */
-function table(heads, rows) {
-  const cells = (/** @type {string[]} */ of, /** @type {"th" | "td"} */ tag) => make("tr", {}, ...of.map(words => make(tag, {}, words)));
-  return make("table", {}, cells(heads, "th"), ...rows.map(row => cells(row, "td")));
-}
+const table = (heads, rows) => make("div", {html: tableOf(heads, rows)});
 
 /** Before the browser prints, the paper is laid out in light colours; afterwards it goes.
  * @param {Page} page @param {() => Lesson[]} lessons to print now */

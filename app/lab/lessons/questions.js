@@ -4,7 +4,7 @@
  * @typedef {Record<string, Given>} Givens by the question's id
  * @typedef {{words: string, go: (() => void) | null, href: string | null}} Link to a step or a lesson; without go
  * and href it is its name alone */
-import {inline, make} from "./dom.js";
+import {button, inline, make, option} from "./dom.js";
 import {shuffledOrder} from "./stage.js";
 
 export const QUESTION_S = 28; // of each question, to estimate what a round takes
@@ -16,7 +16,7 @@ export const orderOf = ({answers}, k, person, phase) =>
 
 /** @param {Link} to @param {string} look the class of a button */
 export const linked = ({words, go, href}, look) => go
-  ? make("button", {type: "button", class: look, onclick: go}, words)
+  ? button(words, go, look)
   : href ? make("a", {href, class: look === "plain" ? "button" : null}, words) : make("span", {class: "hint"}, words);
 
 /** How many are right. @param {Question[]} questions @param {Givens} given */
@@ -51,23 +51,22 @@ export function questionOf(question, order, now, changed) {
     now.answer = order[k];
     changed();
   };
-  const options = order.map((original, k) => make("button", {type: "button", class: "option", onclick: () => take(k)},
-    make("kbd", {"aria-hidden": true}, String(k + 1)), make("span", {html: inline(question.answers[original].text)})));
-  const sure = [["S", "I am sure", true], ["G", "I am guessing", false]].map(([key, words, value]) =>
-    ({value, key: String(key),
-    button: make("button", {type: "button", class: "option sureness",
-      onclick: () => { now.sure = Boolean(value); changed(); }}, make("kbd", {"aria-hidden": true}, String(key)),
-      make("span", {}, String(words)))}));
+  const options = order.map((original, k) => option(String(k + 1), inline(question.answers[original].text), () => take(k)));
+  const sure = /** @type {[string, string, boolean][]} */ ([["S", "I am sure", true], ["G", "I am guessing", false]]).map(
+    ([key, words, value]) => ({value, key, button: option(key, words, () => {
+      now.sure = value;
+      changed();
+    })}));
   const element = make("div", {class: "asked-question"}, make("h2", {tabindex: -1, html: inline(question.text)}),
     make("div", {class: "options", role: "group", "aria-label": "Answers"}, ...options),
     make("div", {class: "sure", role: "group", "aria-label": "How sure are you?"}, ...sure.map(({button}) => button)));
   return {
     element,
     update() {
-      options.forEach((option, k) => {
+      options.forEach((one, k) => {
         const isChosen = now.answer === order[k];
-        option.className = `option${isChosen ? " chosen" : ""}`;
-        option.setAttribute("aria-pressed", String(isChosen));
+        one.className = `option${isChosen ? " chosen" : ""}`;
+        one.setAttribute("aria-pressed", String(isChosen));
       });
       for (const {button, value} of sure) {
         button.disabled = now.answer === null;
@@ -80,7 +79,7 @@ export function questionOf(question, order, now, changed) {
       const k = Number(key) - 1, one = sure.find(({key: own}) => own === key.toUpperCase());
       if (k in options) take(k);
       else if (one && now.answer !== null) {
-        now.sure = Boolean(one.value);
+        now.sure = one.value;
         changed();
       } else return false;
       return true;

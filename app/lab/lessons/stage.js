@@ -81,7 +81,7 @@ import {clamp, DEGREE, draws, geometry, recovered, SERVOS, Session, World} from 
 
 const RACE_GOAL = 3; // px², of E in a race whose step names no other
 /** How servos are drawn and named: role, name. @type {Record<string, [string, string]>} */
-export const RACERS = {likelihood: ["learner", "likelihood"], broyden: ["opponent", "Broyden"],
+const RACERS = {likelihood: ["learner", "likelihood"], broyden: ["opponent", "Broyden"],
   "gradient-retuned": ["plain", "gradient law"], gradient: ["plain", "the paper’s law"]};
 const MAX_MOTIONS = 200, MAX_RACE = 400;
 const KNOB_RAD = 20 * DEGREE, KNOB_GAINS = [.6, 1.2]; // rad of a joint at a knob's full turn, times these
@@ -232,6 +232,14 @@ export class Stage {
 
   /** E over both joints, for the demonstrator as it is seen. @param {number} [stepDeg] */
   landscape(stepDeg = 1) { return stageMap(this, stepDeg).landscape; }
+
+  /** The races of the step that are known, and how their servos are drawn and named. */
+  get racing() {
+    return (this.step.race ?? []).flatMap(servo => {
+      const race = this.race(servo), [role, title] = RACERS[servo] ?? ["plain", servo];
+      return race ? [{role, title, race}] : [];
+    });
+  }
 
   /** A servo's run from the step's start: recorded, or else computed here.
    * @param {string} servo @returns {Race | null} */

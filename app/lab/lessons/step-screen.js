@@ -21,7 +21,7 @@
 import {arePlayed, isAnswered, isReached} from "./answers.js";
 import {isSet} from "./asks.js";
 import {Card} from "./card.js";
-import {inline, make, touched} from "./dom.js";
+import {button, inline, make, touched} from "./dom.js";
 import {FIGURES} from "./figures/registry.js";
 import {Marks} from "./marks.js";
 import {grade, measure} from "./measures.js";
@@ -339,8 +339,7 @@ export class StepScreen {
     const box = make("input", {type: "number", min: 1, max: MAX_SEED, value: stage.seed,
       "aria-label": "Number of the start"});
     box.addEventListener("change", () => { if (box.validity.valid && box.value) course.restart(Number(box.value)); });
-    this.again.append(make("button", {type: "button", class: "plain", onclick: () =>
-      course.restart(stage.seed % MAX_SEED + 1)}, "Again, from a new start"),
+    this.again.append(button("Again, from a new start", () => course.restart(stage.seed % MAX_SEED + 1)),
       make("p", {class: "hint"}, "This was start ", box, ". Others can play the same."));
   }
 

@@ -15,25 +15,24 @@
  * @property {(number | null)[]} [bets]
  * @typedef {{steps: Record<string, KeptStep>, before: Givens, after:
  * Givens, person: number}} Kept */
-const PREFIX = "viewimit-lesson-", PERSONS = 2 ** 31;
+import {Memory} from "../view/memory.js";
+
+const PERSONS = 2 ** 31;
 
 export class Store {
   constructor() {
     this.lessons = /** @type {Record<string, Kept>} */ ({});
-    this.keeps = true; // whether the browser keeps what it is given
+    this.memory = new Memory(() => localStorage, "viewimit-lesson-");
     this.suspended = /** @type {Record<string, Kept> | null} */ (null); // what the store kept before it was suspended
-    try {
-      localStorage.setItem(`${PREFIX}test`, "1");
-      localStorage.removeItem(`${PREFIX}test`);
-    } catch { this.keeps = false; }
   }
+
+  /** Whether the browser keeps what it is given. */
+  get keeps() { return Boolean(this.memory.storage); }
 
   /** @param {string} lesson @returns {Kept} */
   of(lesson) {
     if (!this.lessons[lesson]) {
-      let kept = /** @type {Partial<Kept>} */ ({});
-      try { kept = JSON.parse(localStorage.getItem(PREFIX + lesson)
-        ?? "{}"); } catch { /* nothing is kept, or not by this page */ }
+      const kept = /** @type {Partial<Kept>} */ (this.memory.read(lesson) ?? {});
       this.lessons[lesson] = {steps: kept.steps ?? {}, before: kept.before ?? {}, after: kept.after ?? {},
         person: kept.person ?? Math.floor(Math.random() * PERSONS)};
     }
@@ -42,8 +41,7 @@ export class Store {
 
   /** @param {string} lesson */
   save(lesson) {
-    if (!this.keeps || this.suspended) return;
-    try { localStorage.setItem(PREFIX + lesson, JSON.stringify(this.of(lesson))); } catch { this.keeps = false; }
+    if (!this.suspended) this.memory.set(lesson, JSON.stringify(this.of(lesson)));
   }
 
   /** Go on with a copy that is not kept. */

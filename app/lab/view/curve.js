@@ -1,6 +1,6 @@
 /** E after every step, on a logarithmic scale, and the joints' angles.
  * @typedef {{E: number, probe: boolean, motion: number}} Step */
-import {add, DEGREE, energyText, fixed, px, set} from "./svg.js";
+import {add, DEGREE, energyText, fixed, polyline, px, set} from "./svg.js";
 
 const PAD = {left: 4, top: 7, right: 8, bottom: 5}, MIN_STEPS = 8, MIN_E = 1e-3, LABEL_PX = 34, MAX_DOTS = 60;
 const ROOM_PX = 13; // between two labels
@@ -66,14 +66,8 @@ export class Curve extends Plot {
     const top = Math.max(...all), bottom = Math.min(...all), scale = Math.max(Math.log(top / bottom), 1);
     const down = height - PAD.top - PAD.bottom, xs = this.span(history.map(({motion}) => motion), PAD.right);
     const y = (/** @type {number} */ value) => PAD.top + down * Math.log(top / value) / scale;
-    const line = (/** @type {number} */ from, /** @type {number} */ to) => {
-      let path = "", pen = "M";
-      for (let k = from; k <= to; k++) {
-        if (Number.isFinite(E[k])) path += `${pen}${px(xs[k])} ${px(y(E[k]))}`;
-        pen = Number.isFinite(E[k]) ? "L" : "M";
-      }
-      return path;
-    };
+    const places = E.map((value, k) => [xs[k], y(value)]);
+    const line = (/** @type {number} */ from, /** @type {number} */ to) => polyline(places.slice(from, to + 1));
     const probes = history.slice(0, -1).map(({probe}, k) => probe && E.length <= MAX_DOTS && Number.isFinite(E[k])
       ? `<circle class="vi-probe-E" cx="${px(xs[k])}" cy="${px(y(E[k]))}" r="2.4"/>` : "").join("");
     const labels = [top, top / Math.exp(scale)].map(E => this.label(energyText(E), y(E))).join("")
@@ -96,17 +90,15 @@ export class Angles extends Plot {
     if (key === this.last) return;
     this.last = key;
     const {width, height} = this, right = 34, now = history[at];
-    set(this.svg, {"aria-label": `Angles of ${symbols.join(", ")} after each motion; dashed: the demonstrator's`});
+    set(this.svg, {"aria-label": `Angles of ${symbols.join(", ")} after each step; dashed: the demonstrator's`});
     if (width < 80) return void this.svg.replaceChildren();
     const all = history.flatMap(({theta, thetaDemo}) => [...theta, ...thetaDemo].map(v => v / DEGREE));
     const low = Math.min(...all), high = Math.max(...all, low + MIN_DEG), down = height - PAD.top - PAD.bottom;
     const xs = this.span(history.map(({motion}) => motion), right);
     const y = (/** @type {number} */ rad) => PAD.top + down * (high - rad / DEGREE) / (high - low);
     /** @param {string} kind @param {(one: typeof now) => number} of @param {number} [from] @param {number} [to] */
-    const line = (kind, of, from = 0, to = history.length - 1) => {
-      const places = history.slice(from, to + 1).map((one, k) => `${px(xs[from + k])} ${px(y(of(one)))}`);
-      return `<path class="${kind}" d="M${places.join("L")}"/>`;
-    };
+    const line = (kind, of, from = 0, to = history.length - 1) =>
+      `<path class="${kind}" d="${polyline(history.map((one, k) => [xs[k], y(of(one))]).slice(from, to + 1))}"/>`;
     const taken = /** @type {number[]} */ ([]);
     const parts = symbols.map((symbol, j) => {
       const end = y(history[history.length - 1].theta[j]);

@@ -15,6 +15,7 @@
  * @property {Construction | null} [construction]
  * @property {number} ease share of their way that the windows go to fit the drawing: 1 for the whole way at once */
 import {projectPoint, transform} from "../engine/engine.js";
+import {once} from "./once.js";
 import {add, arrowPaths, circles, diamonds, dots, drawingSize, drawingUnit, polyline, px, set} from "./svg.js";
 
 const VIEWS = /** @type {const} */ (["l", "r", "L", "R"]);
@@ -52,22 +53,19 @@ export class Outlines {
   /** @param {Record<string, number[][]>} hulls outermost vertices of links */
   constructor(hulls) {
     this.hulls = outermost(hulls);
-    this.known = /** @type {Record<string, {scene: World["scene"], key: string, outlines: Outline[]}>} */ ({});
   }
 
   /** Silhouettes of the links and the line through their origins, in both images.
    * @param {World} world @param {"demonstrator" | "learner"} who @param {ArrayLike<number>} theta
    * @param {string} name under which the last one is kept @returns {Outline[]} */
   of(world, who, theta, name) {
-    const key = Array.from(theta).join(), known = this.known[name];
-    if (known?.key === key && known.scene === world.scene) return known.outlines;
-    const frames = world.arms[who].linkFrames(theta);
-    const outlines = world.pairs[who].map(camera => ({
-      hulls: silhouettes(this.hulls, frames, p => projectPoint(camera, p, NEAREST_M)),
-      bones: frames.map(T => projectPoint(camera, [T[3], T[7], T[11]], NEAREST_M)),
-    }));
-    this.known[name] = {scene: world.scene, key, outlines};
-    return outlines;
+    return once(world.scene, `${who} ${name}`, () => {
+      const frames = world.arms[who].linkFrames(theta);
+      return world.pairs[who].map(camera => ({
+        hulls: silhouettes(this.hulls, frames, p => projectPoint(camera, p, NEAREST_M)),
+        bones: frames.map(T => projectPoint(camera, [T[3], T[7], T[11]], NEAREST_M)),
+      }));
+    }, Array.from(theta).join());
   }
 }
 

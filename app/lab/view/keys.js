@@ -1,5 +1,7 @@
 /** Keys of the whole page, but where something on it takes them for itself. */
 
+import {byId} from "./page.js";
+
 /** Elements that take arrow keys or the space bar for themselves, but only if keys focused them. */
 const RETURNING = "input[type=radio], select, #space, #map, .buttons button";
 
@@ -24,6 +26,11 @@ export function listen(keys, isOn) {
     event.preventDefault();
     keys[key]();
   });
+}
+
+/** @param {Record<string, () => void>} buttons what each does, by its id @param {() => boolean} isOn */
+export function press(buttons, isOn) {
+  for (const [id, act] of Object.entries(buttons)) byId(id).addEventListener("click", () => { if (isOn()) act(); });
 }
 
 /** What a pointer has chosen or dragged does not keep the focus: the keys of the page go on. */

@@ -3,7 +3,7 @@ import {geometry, MIN_POINTS, recovered} from "../engine/engine.js";
 import {dragging} from "./dragging.js";
 import {Experiment} from "./experiment.js";
 import {Form} from "./form.js";
-import {listen} from "./keys.js";
+import {listen, press} from "./keys.js";
 import {Landscapes} from "./landscapes.js";
 import {byId as $, copy} from "./page.js";
 import {Player} from "./playing.js";
@@ -234,20 +234,13 @@ export class Lab {
     void copy($("link"), hasAddress ? location.href.split("#")[0] + state : state, "The link to this:");
   }
 
-  #recolour() {
-    this.view.recolour();
-    this.resized();
-  }
-
   #buttons() {
-    /** @type {Record<string, () => void>} */
-    const buttons = {
+    press({
       play: () => this.play(), step: () => this.step(),
       undo: () => this.undo(), reset: () => this.reset(),
-      help: () => $("keys").showModal(), fit: () => this.view.space?.fit(), scheme: () => this.#recolour(),
+      help: () => $("keys").showModal(), fit: () => this.view.space?.fit(), scheme: () => this.view.recolour(this),
       link: () => this.#copyLink(),
-    };
-    for (const [id, act] of Object.entries(buttons)) $(id).addEventListener("click", () => { if (this.isOpen) act(); });
+    }, () => this.isOpen);
   }
 
   #keys() {
@@ -257,7 +250,7 @@ export class Lab {
       " ": () => this.play(), ArrowRight: () => this.step(), ArrowLeft: () => this.undo(),
       r: () => this.reset(), g: () => form.toggle("goal"), p: () => form.nextPreset(), v: () => this.view.space?.fit(),
       n: () => this.choose((experiment.chosen + 1) % experiment.world.body.length),
-      d: () => this.#recolour(), "?": () => $("keys").showModal(),
+      d: () => this.view.recolour(this), "?": () => $("keys").showModal(),
     };
     for (let digit = 0; digit < 10; digit++) keys[digit] = () => this.choose(digit);
     listen(keys, () => this.isOpen);

@@ -48,7 +48,7 @@ export class Landscapes {
   #isFine() {
     const {of, shown, experiment: {world, state}} = this, demo = this.#demo();
     return Boolean(of && of.transfer === state.transfer && shown?.world === world
-      && equal(of.demo.images, demo.images) && equal(of.demo.seen, demo.seen));
+      && `${of.demo.images} ${of.demo.seen}` === `${demo.images} ${demo.seen}`);
   }
 
   /** @param {Landscape} fine that was computed */
@@ -95,11 +95,4 @@ export class Landscapes {
     this.shown = landscape;
     this.map.ground(landscape, {lower, upper, joints: names});
   }
-}
-
-/** Whether two lists hold the same. @param {ArrayLike<number>} a @param {ArrayLike<number>} b */
-function equal(a, b) {
-  if (a.length !== b.length) return false;
-  for (let k = 0; k < a.length; k++) if (a[k] !== b[k]) return false;
-  return true;
 }

@@ -15,6 +15,18 @@ export function fault(why) {
   byId("fault").hidden = false;
 }
 
+/** What draws in the next frame, however often it is asked to. @param {() => void} draw */
+export function perFrame(draw) {
+  let isDue = false;
+  return () => {
+    if (!isDue) requestAnimationFrame(() => {
+      isDue = false;
+      draw();
+    });
+    isDue = true;
+  };
+}
+
 const COPY_MS = 400, COPIED_MS = 1500; // what the clipboard may take, and how long the button says what happened
 
 /** Copy a text, or show it where a page may not.

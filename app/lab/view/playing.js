@@ -1,5 +1,6 @@
 /** Playing: while it is on, a learner at rest wakes when the demonstrator moves.
  * @import {Experiment} from "./experiment.js" @import {Moment} from "../engine/session.js" */
+import {perFrame} from "./page.js";
 import {smoothstep} from "./svg.js";
 import {SERVO_WORDS} from "./words.js";
 
@@ -16,11 +17,11 @@ export class Player {
     this.drawNow = draw;
     this.stepped = stepped;
     this.still = matchMedia("(prefers-reduced-motion: reduce)");
+    this.redraw = perFrame(() => { if (!this.isTicking) this.drawNow(); });
     this.isPlaying = false;
     this.isHeld = false;
     this.isAsleep = false; // playing, but the servo has no motion to make
     this.isTicking = false;
-    this.isDue = false;
     this.due = 0;
     this.glide = /** @type {{from: number[], began: number, lasts: number} | null} */ (null);
     this.nodsAt = 0; // when the demonstrator begins to nod; 0 once it has
@@ -32,16 +33,6 @@ export class Player {
   get isAtRest() {
     const {now} = this.experiment;
     return now === this.restedAt && Boolean(now.fitted);
-  }
-
-  /** Draw in the next frame, once. */
-  redraw() {
-    if (this.isDue) return;
-    this.isDue = true;
-    requestAnimationFrame(() => {
-      this.isDue = false;
-      if (!this.isTicking) this.drawNow();
-    });
   }
 
   /** @param {boolean} on */

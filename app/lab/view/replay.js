@@ -3,8 +3,8 @@
  * @import {Run} from "./recorded.js" @import {State} from "./address.js" @import {View, Scene} from "./view.js" */
 import {World} from "../engine/engine.js";
 import {Angles} from "./curve.js";
-import {listen} from "./keys.js";
-import {byId as $, copy} from "./page.js";
+import {listen, press} from "./keys.js";
+import {byId as $, copy, perFrame} from "./page.js";
 import {Recorded} from "./recorded.js";
 import {Sliders} from "./sliders.js";
 import {energyText, fixed, say, smoothstep} from "./svg.js";
@@ -26,9 +26,9 @@ export class Replay {
     this.world = new World(scene);
     this.angles = new Angles($("angles"));
     this.still = matchMedia("(prefers-reduced-motion: reduce)");
+    this.redraw = perFrame(() => this.draw());
     this.isOpen = false;
     this.isPlaying = false;
-    this.isDue = false;
     this.shown = this.now = this.since = 0;
     this.last = run.snapshots.length - 1;
     this.chosen = run.chosen ?? 0;
@@ -72,7 +72,7 @@ export class Replay {
     const {motion} = this.moment, words = `${motion} of ${this.recorded.snapshots[this.last].motion}`;
     $("time").value = this.now;
     $("time").style.setProperty("--at", `${100 * this.now / Math.max(1, this.last)}%`);
-    $("time").setAttribute("aria-valuetext", `after ${words} motions`);
+    $("time").setAttribute("aria-valuetext", `after ${words} steps`);
     $("where").value = words;
     this.redraw();
   }
@@ -93,15 +93,6 @@ export class Replay {
     if (!on) return void this.redraw();
     if (this.now === this.last) this.show(0);
     requestAnimationFrame(at => this.#tick(at));
-  }
-
-  redraw() {
-    if (this.isDue) return;
-    this.isDue = true;
-    requestAnimationFrame(() => {
-      this.isDue = false;
-      this.draw();
-    });
   }
 
   /** A size or the colours have changed. */
@@ -224,7 +215,7 @@ export class Replay {
   /** Go on in the lab from here. */
   #takeOver() {
     const {moment, recorded: {run}} = this, {lab, lacks} = run.methods[run.snapshots[this.now].method];
-    const from = `The replay goes on here after motion ${moment.motion}.`;
+    const from = `The replay goes on here after step ${moment.motion}.`;
     const [servo, transfer] = [SERVO_WORDS[lab.servo].title, TRANSFER_WORDS[lab.transfer].title.toLowerCase()];
     const now = `: now it is “${servo}” and the ${transfer} transfer`;
     const instead = lacks.length ? ` The lab does not have ${listed(lacks)}${now}.` : "";
@@ -246,13 +237,11 @@ export class Replay {
   }
 
   #controls() {
-    /** @type {Record<string, () => void>} */
-    const buttons = {
+    press({
       run: () => this.play(!this.isPlaying),
       back: () => this.jump(this.now - 1), forward: () => this.jump(this.now + 1),
-      scheme: () => this.#recolour(), fit: () => this.view.space?.fit(), takeover: () => this.#takeOver(),
-    };
-    for (const [id, act] of Object.entries(buttons)) $(id).addEventListener("click", () => { if (this.isOpen) act(); });
+      scheme: () => this.view.recolour(this), fit: () => this.view.space?.fit(), takeover: () => this.#takeOver(),
+    }, () => this.isOpen);
     $("time").addEventListener("input", () => this.jump(Number($("time").value)));
     for (const id of ["goal", "rays"]) $(id).addEventListener("change", () => this.redraw());
     $("images").addEventListener("click", (/** @type {PointerEvent} */ event) => {
@@ -275,17 +264,12 @@ export class Replay {
       ArrowLeft: () => this.jump(this.now - 1), ArrowRight: () => this.jump(this.now + 1),
       Home: () => this.jump(0), End: () => this.jump(this.last), "+": () => faster(1), "-": () => faster(-1),
       PageUp: () => this.jump(this.now - LEAP), PageDown: () => this.jump(this.now + LEAP),
-      d: () => this.#recolour(), v: () => this.view.space?.fit(), r: () => toggle("rays"), g: () => toggle("goal"),
+      d: () => this.view.recolour(this), v: () => this.view.space?.fit(), r: () => toggle("rays"), g: () => toggle("goal"),
       n: () => this.choose((this.chosen + 1) % (this.moment.views.own.length / 4)),
     };
     if (this.takeOver) keys.t = () => this.#takeOver();
     for (let digit = 0; digit < 10; digit++) keys[digit] = () => this.choose(digit);
     listen(keys, () => this.isOpen);
-  }
-
-  #recolour() {
-    this.view.recolour();
-    this.resized();
   }
 }
 

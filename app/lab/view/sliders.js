@@ -1,4 +1,5 @@
 /** A slider for each joint: those of the demonstrator pose it, those of the learner show its goal as well. */
+import {make} from "../lessons/dom.js";
 import {DEGREE, fixed, say} from "./svg.js";
 
 /** A slider of the learner, with its goal and the way there. */
@@ -27,15 +28,12 @@ export class Sliders {
     this.upper = upper;
     this.box.replaceChildren();
     this.rows = joints.map((name, k) => {
-      const row = this.box.appendChild(document.createElement("label"));
-      row.className = `joint of-${this.who}`;
-      const slider = this.who === "learner" ? RAIL : '<input type="range">';
-      row.innerHTML = `<span class="name"></span>${slider}<b class="value"></b>`;
+      const symbol = name.split(" ").pop() ?? "", label = make("span", {class: "name"}, name.slice(0, -symbol.length), make("em", {}, symbol));
+      const output = make("b", {class: "value"}), row = this.box.appendChild(make("label", {class: `joint of-${this.who}`,
+        html: this.who === "learner" ? RAIL : '<input type="range">'}));
+      row.prepend(label);
+      row.append(output);
       const input = /** @type {HTMLInputElement} */ (row.querySelector("input"));
-      const [label, output] = [".name", ".value"].map(kind => /** @type {HTMLElement} */ (row.querySelector(kind)));
-      const symbol = name.split(" ").pop() ?? "";
-      label.textContent = name.slice(0, -symbol.length);
-      label.appendChild(document.createElement("em")).textContent = symbol;
       Object.assign(input, {min: (lower[k] / DEGREE).toFixed(1), max: (upper[k] / DEGREE).toFixed(1), step: "0.5"});
       input.setAttribute("aria-label", `${name} of the ${this.who}`);
       input.addEventListener("input", () => {

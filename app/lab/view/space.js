@@ -24,6 +24,8 @@
  * @property {boolean} [rays] whether all points are joined with their images
  * @property {[Vector, Vector, string, number, number][]} [lines] from, to, role, width px, opacity */
 import {cross, dot, unit as normalised} from "../engine/algebra.js";
+import {distance} from "../lessons/measured.js";
+import {perFrame} from "./page.js";
 import {LINE_FS, LINE_VS, FLAT_FS, FLOOR_FS, SOLID_FS, SOLID_VS} from "./shaders.js";
 
 const VIEWS = ["l", "r", "L", "R"], NAME_PX = 13, ROOM_PX = 9; // of an image's name from its plate, and from any line
@@ -295,7 +297,6 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
     for (const {T, colour, shape: what} of set.solids) draw(how, what, T, colours[colour]);
   };
   let shown = /** @type {Shown | null} */ (null);
-  let waits = false;
   const resize = () => {
     const ratio = Math.min(devicePixelRatio || 1, 2);
     const [w, h] = [canvas.clientWidth, canvas.clientHeight].map(px => Math.max(1, Math.round(px * ratio)));
@@ -304,7 +305,6 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
     if (untouched && set) fit();
   };
   const paint = () => {
-    waits = false;
     const began = performance.now();
     if (!shown || !set || gl.isContextLost()) return;
     resize();
@@ -390,11 +390,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
       slow?.();
     } else later();
   };
-  const later = () => {
-    if (waits) return;
-    waits = true;
-    requestAnimationFrame(paint);
-  };
+  const later = perFrame(paint);
 
   // Hands: one turns, two pinch and shift; the wheel zooms where it does not scroll
   const hands = /** @type {Map<number, {x: number, y: number}>} */ (new Map());
@@ -471,16 +467,9 @@ function beside(frusta, view, name) {
     const [x, y] = p.map((v, k) => v - middle[k]), out = 1 + NAME_PX / Math.max(Math.hypot(x, y), 1);
     return [middle[0] + out * x, middle[1] + out * y];
   });
-  const room = places.map(place => Math.min(...frusta.flat().map(([from, to]) => distance(place, from, to))));
+  const room = places.map(place => Math.min(...frusta.flat().map(edge => distance(place, edge))));
   if (!(room[name.place] >= ROOM_PX)) name.place = room.indexOf(Math.max(...room));
   return places[name.place];
-}
-
-/** Distance of a point from a segment, px. @param {number[]} p @param {number[]} a @param {number[]} b */
-function distance([x, y], a, b) {
-  const [u, v] = [b[0] - a[0], b[1] - a[1]], share = ((x - a[0]) * u + (y - a[1]) * v) / (u * u + v * v || 1);
-  const t = Math.min(1, Math.max(0, share));
-  return Math.hypot(x - a[0] - t * u, y - a[1] - t * v);
 }
 
 /** @param {number[]} colour 0 … 255 each @returns {Vector} */

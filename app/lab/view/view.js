@@ -11,12 +11,13 @@ import {backProject, transform, triangulate} from "../engine/engine.js";
 import {Curve} from "./curve.js";
 import {Images, outermost, silhouette} from "./images.js";
 import {EnergyMap} from "./map.js";
+import {Memory} from "./memory.js";
 import {byId as $} from "./page.js";
 import {Outside} from "./outside.js";
 import {openSpace} from "./space.js";
 import {drawingUnit, fixed, px, say, set} from "./svg.js";
 
-const IN_3D = "viewimit-in-3d"; // what the browser keeps of a visitor who wants 3-D though it is slow
+const kept = new Memory(() => localStorage, "viewimit-"), IN_3D = "in-3d"; // what the browser keeps of a visitor who wants 3-D though it is slow
 const NAMED = 1.32; // height of what must be in sight above an eye, for its name, times that of the eye
 const PLATE_M = 0.17; // from a camera to its image plate, times the size of the scene
 /** @type {Record<"points" | "chosen", [number, number]>} px and opacity of lines in 3-D */
@@ -35,7 +36,7 @@ export class View {
     this.isFlat = false;
     this.flatten(!this.space);
     $("in-3d").addEventListener("click", () => {
-      try { localStorage.setItem(IN_3D, "1"); } catch { /* then the next visit asks again */ }
+      kept.set(IN_3D, "1");
       this.flatten(false, changed);
     });
     this.azimuth = robot.view.azimuth;
@@ -66,7 +67,7 @@ export class View {
 
   /** Where a point of the world is drawn in the scene, px. @param {ArrayLike<number>} point */
   place(point) {
-    return this.isFlat || !this.space ? this.still.place(point).map(v => v * drawingUnit()) : this.space.project(point).slice(0, 2);
+    return this.isFlat || !this.space ? this.still.at(point).map(v => v * drawingUnit()) : this.space.project(point).slice(0, 2);
   }
 
   /** Another scene, or the same again. @param {Scene} scene */
@@ -89,11 +90,12 @@ export class View {
     return moves;
   }
 
-  /** Light or dark, in turn. */
-  recolour() {
+  /** Light or dark, in turn. @param {{resized: () => void}} shown is drawn again, with its map */
+  recolour(shown) {
     const root = document.documentElement.dataset;
     root.scheme = root.scheme === "dark" ? "light" : "dark";
     this.space?.recolour();
+    shown.resized();
   }
 
   /** @param {World} world @param {Shown} shown */
@@ -154,7 +156,7 @@ export class View {
     still.measure();
     const landmarks = this.scene?.stage.landmarks ?? [];
     const above = cameras.map(({centre: [x, y, z]}) => [x, y, NAMED * z]);
-    still.aim(this.azimuth, this.elevation, [...landmarks, ...above]);
+    still.look(this.azimuth, this.elevation, [...landmarks, ...above]);
     const ghost = goal ? [{frames: arms.learner.linkFrames(thetaDemo), kind: "draw-guess"}] : [];
     const head = cameras[0].centre.map((v, i) => (v + cameras[1].centre[i]) / 2);
     const bases = [arms.demonstrator, arms.learner].map(({T_world_base: T}) => [T[3], T[7], T[11]]);
@@ -163,7 +165,7 @@ export class View {
     still.draw({
       bodies: [{frames: frames[0], kind: "vi-demo"}, ...ghost, {frames: frames[1], kind: ""}],
       eyes: cameras.map((camera, k) => ({camera, kind: k < 2 ? "vi-demo" : "", name: "lrLR"[k]})),
-      lines: [upright(head, "still-pole"), ...bases.map(base => upright(base, "still-stand"))], dots: [],
+      lines: [upright(head, "still-pole"), ...bases.map(base => upright(base, "still-stand"))],
       labels: (this.scene?.stage.labels ?? []).filter(({text}) => text.length > 1)
         .map(({text, role, at}) => [at, text, `vi-b vi-mid still-${role}`]),
     }, "Both robots: the orange demonstrator, the blue learner, and the cameras that look at both.");
@@ -174,9 +176,7 @@ export class View {
  * @param {import("./space.js").Common} robot @param {ArrayBuffer} meshes
  * @param {() => void} slow when its first frames have taken too long, unless a visitor wants it all the same */
 function opened(robot, meshes, slow) {
-  let isWanted = false;
-  try { isWanted = Boolean(localStorage.getItem(IN_3D)); } catch { /* a page that may not store */ }
-  try { return openSpace($("space"), $("labels"), robot, meshes, isWanted ? null : slow); } catch (error) { console.warn(error); }
+  try { return openSpace($("space"), $("labels"), robot, meshes, kept.get(IN_3D) ? null : slow); } catch (error) { console.warn(error); }
   return null;
 }
 

@@ -19,7 +19,7 @@ _RULE = (
 )
 PURPOSES = {
     Purpose.PROBE: "This step, ({step}), is a test move: it shows what the joint moves.",
-    Purpose.GROW: "This step, ({step}), shows more: the pictures so far do not tell enough.",
+    Purpose.GROW: "This step, ({step}), shows more: the pictures so far are too few.",
     Purpose.NAME: "This step, ({step}), shows more: the demonstrator's points could not be named yet.",
     Purpose.LOOK: "This step, ({step}), is a look from elsewhere: it lowers the expected error by more than it costs.",
     Purpose.ARRIVE: "This step, ({step}), goes to the likeliest pose.",
@@ -28,13 +28,14 @@ PURPOSES = {
 }
 DOES = {
     Purpose.PROBE: TEST_MOVE,
-    Purpose.GROW: "It moves to see more, because the pictures so far do not tell enough.",
+    Purpose.GROW: "It moves to see more, because the pictures so far are too few.",
     Purpose.NAME: "It looks at its own body again, because no naming of the demonstrator's points fits yet.",
     Purpose.LOOK: "It looks from elsewhere first, because that lowers the expected error.",
     Purpose.ARRIVE: "It goes to the likeliest pose.",
     Purpose.FOLLOW: "It follows the demonstrator, whose place it knows.",
     Purpose.NEAREST: "It goes to the smallest E, because the pictures leave a joint open.",
 }
+MOST_ODDS = 1_000_000  # that are told: beyond, the number says no more
 HYPOTHESES = {
     MisfitKind.ANOTHER_BODY: "another body",
     MisfitKind.LINK_POINTS: "points of one link elsewhere",
@@ -73,8 +74,11 @@ def _says(state: EstimatorState) -> str:
         return "They do not determine a body yet."
     if state.best is None:
         return ""
-    if state.best.explanation is not None:
-        return f"Likeliest hypothesis: {HYPOTHESES[state.best.explanation.misfit.kind]}."
+    if (why := state.best.explanation) is not None:
+        name, odds = HYPOTHESES[why.misfit.kind], np.exp(min(why.margin / 2, np.log(MOST_ODDS)))
+        over = "over " if odds > 0.999 * MOST_ODDS else ""
+        against = f", {over}{odds:,.0f} times as likely as the next one" if odds > 1 else ""
+        return f"Likeliest hypothesis: {name}{against}."
     return (
         "Likeliest hypothesis: the same body, with swapped points."
         if state.exchanged

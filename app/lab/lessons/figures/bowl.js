@@ -4,7 +4,6 @@
  * role: you, learner, opponent or slow; postures: rad; probes: whether each was made to learn from; best: the one
  * with the smallest E, after which it only looked for something lower */
 import {stageMap, stageSmallest} from "../maps.js";
-import {RACERS} from "../stage.js";
 import {EnergyMap} from "../../view/map.js";
 import {DEGREE, fixed, px} from "../../view/svg.js";
 import {circles, crosses, diamonds, dots, path, polyline, text} from "./drawing.js";
@@ -116,21 +115,15 @@ function drawnWay(points, {role, best, probes}) {
     + path(`lesson-way-probes lesson-way-${role}`, circles(until.filter((_, k) => probes[k]), 3.6));
 }
 
-/** By servo. @param {Stage} stage */
-const racesOf = stage => (stage.step.race ?? []).flatMap(servo => {
-  const race = stage.race(servo);
-  return race ? [/** @type {const} */ ([servo, race])] : [];
-});
-
 /** The visitor's own way and those of servos, up to the motion that is shown. @param {Stage} stage @param {Set<string>} layers */
 function waysOf(stage, layers) {
   const ways = /** @type {Way[]} */ ([]);
   if (layers.has("others")) {
-    const races = racesOf(stage), longest = Math.max(1, ...races.map(([, race]) => race.postures.length));
+    const races = stage.racing, longest = Math.max(1, ...races.map(({race}) => race.postures.length));
     const shown = 1 + stage.played(longest);
-    for (const [servo, race] of races) {
+    for (const {role, title, race} of races) {
       const until = races.length > 1 ? Math.min(shown, stage.last(race) + 1) : shown; // several race to the goal
-      const E = race.E.slice(0, until), [role, title] = RACERS[servo] ?? ["plain", servo];
+      const E = race.E.slice(0, until);
       ways.push({name: races.length === 1 ? "the learner" : title, role: role === "plain" ? "slow" : role,
         postures: race.postures.slice(0, until), probes: race.probes,
         best: E.indexOf(Math.min(...E))});

@@ -17,6 +17,7 @@
 import {projectPoint, TRANSFERS} from "../../engine/engine.js";
 import {px} from "../../view/svg.js";
 import {short} from "../measured.js";
+import {once} from "../../view/once.js";
 import {
   axis, decades, diamonds, dots, Drawing, fitted, legend, legendHeight, path, polyline, rectangle, text, widthOf,
 } from "./drawing.js";
@@ -101,16 +102,11 @@ function fromSide(stage, layers) {
 /** @template T @param {T[]} of */
 const last = of => of[of.length - 1];
 
-const known = /** @type {WeakMap<CircleRuns, {right: Way, early: Way}>} */ (new WeakMap());
-
 /** What both learners do. @param {Stage} stage @returns {{right: Way, early: Way}} */
 export function waysOf(stage) {
   /** @type {CircleRuns} */
-  const record = stage.records.circle, made = known.get(record);
-  if (made) return made;
-  const found = {right: wayOf(stage, record, record.right), early: wayOf(stage, record, record.early)};
-  known.set(record, found);
-  return found;
+  const record = stage.records.circle;
+  return once(record, "ways", () => ({right: wayOf(stage, record, record.right), early: wayOf(stage, record, record.early)}));
 }
 
 /** @param {Stage} stage @param {CircleRuns} record @param {Followed} followed @returns {Way} */

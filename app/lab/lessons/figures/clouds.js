@@ -1,11 +1,11 @@
 /** Where E was smallest under noise, time for time: clouds of postures about the demonstrator's, over lines of equal E.
  * @import {Stage, FigureKind} from "../stage.js"
- * @typedef {{world: Altered | null, key: string, lines: string}} Rings that were drawn last
  * @typedef {ReturnType<typeof scales>} Scales */
 import {DEGREE, Landscape} from "../../engine/engine.js";
 import {contour, nice} from "../../view/map.js";
 import {fixed, px} from "../../view/svg.js";
 import {Altered, smallest} from "../maps.js";
+import {once} from "../../view/once.js";
 import {axis, circles, crosses, diamonds, dots, Drawing, legend, legendHeight, path, polyline, rectangle, text,
   within} from "./drawing.js";
 import {Names} from "./names.js";
@@ -24,13 +24,9 @@ export const CLOUDS = {
   aspect: 1.35,
   create(box) {
     const drawing = new Drawing(box, "lesson-clouds");
-    /** @type {Rings} */
-    const known = {world: null, key: "", lines: ""};
     return {
       resize: () => drawing.measure(),
-      draw(stage, layers) {
-        drawing.show(drawn(drawing, stage, layers, known), described(stage, layers));
-      },
+      draw: (stage, layers) => drawing.show(drawn(drawing, stage, layers), described(stage, layers)),
       place(stage, [first, second]) {
         const {x, y} = scales(drawing, stage);
         return [x(second) * drawing.unit, y(first) * drawing.unit];
@@ -77,12 +73,12 @@ function scales({width, height}, stage) {
   return {low, high, x: axis(low[1], high[1], LEFT, right), y: axis(low[0], high[0], bottom, TOP), right, bottom};
 }
 
-/** @param {Drawing} drawing @param {Stage} stage @param {Set<string>} layers @param {Rings} known */
-function drawn(drawing, stage, layers, known) {
+/** @param {Drawing} drawing @param {Stage} stage @param {Set<string>} layers */
+function drawn(drawing, stage, layers) {
   const to = scales(drawing, stage), {x, y, right, bottom} = to, clouds = cloudsOf(stage);
   const at = (/** @type {ArrayLike<number>} */ theta) => [x(theta[1]), y(theta[0])], demo = at(stage.moment.thetaDemo);
   const names = new Names([LEFT, TOP, right, bottom]), shown = SHOWN.filter(name => layers.has(name) && clouds[name]);
-  let inside = layers.has("contours") ? path("vi-contour", rings(stage, to, known)) : "";
+  let inside = layers.has("contours") ? path("vi-contour", rings(stage, to)) : "";
   for (const name of shown) inside += path(`lesson-cloud lesson-cloud-${name}`, dots(clouds[name].map(at)));
   let svg = rectangle("vi-plane", LEFT, TOP, right - LEFT, bottom - TOP) + within([LEFT, TOP, right, bottom], inside);
   svg += ticks(to, stage.world.scene.names);
@@ -109,10 +105,12 @@ const undisturbed = ({world, session, moment}) =>
   [world, session.settings.transfer, world.look("demonstrator", moment.thetaDemo)];
 
 /** Lines of equal E, undisturbed: near its smallest they are ellipses, equally far from each other.
- * @param {Stage} stage @param {Scales} to @param {Rings} known */
-function rings(stage, {low, high, right, bottom}, known) {
-  const [world, transfer, demo] = undisturbed(stage), key = [transfer, ...low, ...high, right, bottom].join();
-  if (known.world?.of === world && known.key === key) return known.lines;
+ * @param {Stage} stage @param {Scales} to */
+const rings = (stage, to) => once(stage.world, "rings", () => drawnRings(stage, to), Object.values(to).join());
+
+/** @param {Stage} stage @param {Scales} to */
+function drawnRings(stage, {low, high, right, bottom}) {
+  const [world, transfer, demo] = undisturbed(stage);
   const part = new Altered(world, {lower: low, upper: high});
   const map = new Landscape(part, Math.min(...low.map((v, k) => high[k] - v)) / DEGREE / STEPS);
   map.evaluate(transfer, demo);
@@ -124,7 +122,6 @@ function rings(stage, {low, high, right, bottom}, known) {
     contour(E, rows.length, columns.length, least + (most - least) * (k / RINGS) ** 2, (a, b, c, d) => {
       lines += `M${px(X(a))} ${px(Y(b))}L${px(X(c))} ${px(Y(d))}`;
     });
-  Object.assign(known, {world: part, key, lines});
   return lines;
 }
 

@@ -57,9 +57,10 @@ export const sketched = (kind, write) => box => {
   return {resize: () => drawing.measure(), draw: (stage, layers) => drawing.show(...write(drawing, stage, layers))};
 };
 
-/** @param {number} x @param {number} y of the base line @param {string} words @param {string} [kind] */
-export const text = (x, y, words, kind = "") =>
-  `<text class="${kind}" x="${px(x)}" y="${px(y)}">${escaped(words)}</text>`;
+/** Words, in which l and r are written as on the pictures.
+ * @param {number} x @param {number} y of the base line @param {string} words @param {string} [kind] */
+export const text = (x, y, words, kind = "") => `<text class="${kind}" x="${px(x)}" y="${px(y)}">${
+  escaped(words).replace(/^(line from )?([lr])\b/, '$1<tspan class="eye">$2</tspan>')}</text>`;
 
 /** @param {string} kind @param {string} d @param {string} [more] attributes */
 export const path = (kind, d, more = "") => d ? `<path class="${kind}" d="${d}"${more}/>` : "";

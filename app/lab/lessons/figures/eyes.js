@@ -22,41 +22,39 @@ export const eye = number => ({
   create: (box, stage) => new Picture(number, box, stage),
 });
 
-class Picture {
+class Picture extends Plane {
   /** @param {1 | 2} number @param {HTMLElement} box @param {Stage} stage */
   constructor(number, box, stage) {
+    super(box, "vi-demo");
     this.number = number;
-    this.plane = new Plane(box, "vi-demo");
     this.hulls = outermost(stage.page.hulls);
   }
 
-  resize() { this.plane.measure(); }
-
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {
-    const {plane} = this, cameras = camerasOf(stage), camera = cameras[this.number - 1];
+    const cameras = camerasOf(stage), camera = cameras[this.number - 1];
     const see = (/** @type {ArrayLike<number>} */ p) => projectPoint(camera, p);
-    plane.box.classList.toggle("framed", layers.has("framed"));
-    const names = new Names([0, 0, plane.width, plane.height]);
+    this.box.classList.toggle("framed", layers.has("framed"));
+    const names = new Names([0, 0, this.width, this.height]);
     names.keepBox([0, 0, 90, 26]); // the figure's title
     const moves = layers.has("three marks") ? this.#arm(stage, layers, cameras, see, names)
       : this.#stick(stage, layers, cameras, see, names);
-    if (moves) plane.again(() => this.draw(stage, layers));
+    if (moves) this.again(() => this.draw(stage, layers));
   }
 
   /** A mark on a stick, and where its slide takes it.
    * @param {Stage} stage @param {Set<string>} layers @param {Camera[]} cameras
    * @param {(p: ArrayLike<number>) => [number, number, number]} see @param {Names} names */
   #stick({world, reveal}, layers, cameras, see, names) {
-    const {plane} = this, mark = markOf(world), slide = sliding(reveal), first = cameras[0];
+    const mark = markOf(world), slide = sliding(reveal), first = cameras[0];
     const now = reveal > 0 ? onRay(first, mark, slide.share) : mark, [x, y] = see(mark);
     const spread = this.number === 1 ? [] : PLACES.map(share => see(onRay(first, mark, share)));
     const [left, , right] = around([...spread, [x - STICK_PX, y], [x + STICK_PX, y]]);
-    plane.aim([left, y - STICK_PX, right, y + STICK_PX], {margin: MARGIN, glide: false});
-    const at = (/** @type {ArrayLike<number>} */ p) => plane.at(see(p));
+    this.aim([left, y - STICK_PX, right, y + STICK_PX], {margin: MARGIN, glide: false});
+    const at = (/** @type {ArrayLike<number>} */ p) => this.at(see(p));
     let html = "";
     if (layers.has("epipolar line") && reveal > 0 && slide.reached > PLACES[0]) {
-      const whole = plane.ends(rayLine(cameras[1], first, mark));
+      const whole = this.ends(rayLine(cameras[1], first, mark));
       const part = reveal < 1 ? [at(onRay(first, mark, PLACES[0])), at(onRay(first, mark, slide.reached))] : whole;
       html += `<path class="draw-line" d="${polyline(part)}"/>`;
       if (part.length) names.keepLine(part, 4);
@@ -76,7 +74,7 @@ class Picture {
     if (reveal > 0 && this.number === 1) names.put("does not move", at(now), "vi-chosen", {away: 13, first: [1, -1]});
     if (reveal === 1 && this.number === 2) names.put("epipolar line", at(onRay(first, mark, PLACES[5])), "vi-chosen",
       {away: 11, first: [1, 1]});
-    plane.show(html + names.html,
+    this.show(html + names.html,
       this.number === 1 ? `Picture 1: the mark on its stick.${reveal > 0 ? " It does not move." : ""}`
       : `Picture 2: the mark on its ` +
         `stick.${reveal > 0 ? " As it slides along the ray, it draws a straight line, the epipolar line." : ""}`);
@@ -87,7 +85,7 @@ class Picture {
    * @param {Stage} stage @param {Set<string>} layers @param {Camera[]} cameras
    * @param {(p: ArrayLike<number>) => [number, number, number]} see @param {Names} names */
   #arm(stage, layers, cameras, see, names) {
-    const {plane} = this, frames = stage.world.arms.demonstrator.linkFrames(stage.moment.thetaDemo);
+    const frames = stage.world.arms.demonstrator.linkFrames(stage.moment.thetaDemo);
     const hulls = silhouettes(this.hulls, frames, see);
     const body = around(hulls.flat()), middle = [(body[0] + body[2]) / 2, (body[1] + body[3]) / 2];
     const e = epipole(cameras[1], cameras[0]), away = [e[0] - middle[0], e[1] - middle[1]], far = Math.hypot(...away);
@@ -95,17 +93,17 @@ class Picture {
     const held = opened * (far < HOLDS_PX ? far : Math.max(LEAST_PX, HOLDS_PX - (far - HOLDS_PX) / 2)) / far;
     const reach = [middle[0] + held * away[0], middle[1] + held * away[1]];
     const margin = /** @type {[number, number, number, number]} */ ([30, 44, far < HOLDS_PX && opened ? 40 : 30, 36]);
-    const moves = plane.aim(around([[body[0], body[1]], [body[2], body[3]], reach]), {margin, glide: !isStill()});
+    const moves = this.aim(around([[body[0], body[1]], [body[2], body[3]], reach]), {margin, glide: !isStill()});
     const marks = marksOf(stage), lines = marks.map(p => rayLine(cameras[1], cameras[0], p));
-    const hull = hulls.map(points => plane.path(points, true)).join("");
-    const bone = plane.path(frames.map(T => see([T[3], T[7], T[11]])));
+    const hull = hulls.map(points => this.path(points, true)).join("");
+    const bone = this.path(frames.map(T => see([T[3], T[7], T[11]])));
     let html = `<path class="vi-hull" d="${hull}"/><path class="vi-bone" d="${bone}"/>`;
-    const at = marks.map(p => plane.at(see(p))), hole = plane.at(e);
+    const at = marks.map(p => this.at(see(p))), hole = this.at(e);
     at.forEach(p => names.keep(p, 8));
     if (layers.has("three lines")) {
       const grown = layers.has("epipole") ? Math.min(1, stage.reveal / .6) : 1;
       lines.forEach((line, k) => {
-        const ends = grown < 1 ? towards(at[k], hole, grown, plane) : plane.ends(line);
+        const ends = grown < 1 ? towards(at[k], hole, grown, this) : this.ends(line);
         if (!ends.length) return;
         html += `<path class="draw-line" d="${polyline(ends)}"/>`;
         names.keepLine(ends);
@@ -113,16 +111,16 @@ class Picture {
     }
     at.forEach(p => { html += `<path class="draw-mark-dot" d="${circles([p], 6.5)}"/>`; });
     if (layers.has("epipole") && opened === 1) {
-      const isIn = hole[0] > 12 && hole[0] < plane.width - 12 && hole[1] > 12 && hole[1] < plane.height - 12;
+      const isIn = hole[0] > 12 && hole[0] < this.width - 12 && hole[1] > 12 && hole[1] < this.height - 12;
       if (isIn) {
         html += `<path class="draw-hole" d="${circles([hole], 8)}"/>`;
         names.keep(hole, 10);
-        names.put(plane.width < 340 ? "epipole" : "epipole: camera 1, as camera 2 sees it", hole, "vi-chosen",
+        names.put(this.width < 340 ? "epipole" : "epipole: camera 1, as camera 2 sees it", hole, "vi-chosen",
           {away: 13});
       } else html += this.#beyond(e, middle, far, names);
     }
     at.forEach((p, k) => names.put(MARKS[k], p, "vi-chosen", {away: 8, size: 14}));
-    plane.show(html + names.html, layers.has("three lines")
+    this.show(html + names.html, layers.has("three lines")
       ? `Picture 2: an arm with three marks. The lines of their rays meet in the epipole, ${Math.round(far)} px from ` +
         `the arm.`
       : "Picture 2: an arm with three marks.");
@@ -132,9 +130,9 @@ class Picture {
   /** An arrow to an epipole that the window does not hold.
    * @param {ArrayLike<number>} e @param {number[]} middle @param {number} far px @param {Names} names */
   #beyond(e, middle, far, names) {
-    const {plane} = this, from = plane.at(middle), line = through(middle, e), ends = plane.ends(line);
+    const from = this.at(middle), line = through(middle, e), ends = this.ends(line);
     if (!ends.length) return "";
-    const to = plane.at(e), isAhead = (/** @type {number[]} */ p) => (p[0] - from[0]) * (to[0] - from[0])
+    const to = this.at(e), isAhead = (/** @type {number[]} */ p) => (p[0] - from[0]) * (to[0] - from[0])
       + (p[1] - from[1]) * (to[1] - from[1]) > 0;
     const edge = ends.find(isAhead) ?? ends[1];
     const u = [edge[0] - from[0], edge[1] - from[1]].map((v, _, all) => v / Math.hypot(...all));

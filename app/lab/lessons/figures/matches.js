@@ -6,7 +6,8 @@ import {dot, symmetricEigen} from "../../engine/algebra.js";
 import {projectPoint, select} from "../../engine/engine.js";
 import {Altered, mapOf, medianCondition} from "../maps.js";
 import {diamonds, Drawing, fitted, path, polyline, rectangle} from "./drawing.js";
-import {make} from "../dom.js";
+import {inline, make} from "../dom.js";
+import {once} from "../../view/once.js";
 import {MapPanel} from "./panels.js";
 
 const FEWEST = 4, STEP_DEG = 1.5;
@@ -60,7 +61,7 @@ function relief(map) {
 function pointsPanel(within) {
   const note = make("span"), box = make("div", {class: "lesson-plain"});
   within.append(make("div", {class: "lesson-panel"},
-    make("div", {class: "lesson-panel-head"}, make("b", {}, "What is matched, in l"), note), box));
+    make("div", {class: "lesson-panel-head"}, make("b", {html: inline("What is matched, in l")}), note), box));
   const drawing = new Drawing(box, "");
   return {
     resize: () => drawing.measure(),
@@ -88,14 +89,13 @@ const total = stage => bestOrder(stage).length;
 /** How many matches are used: few before the answer, then as the slider says. @param {Stage} stage */
 const matchesShown = stage => stage.isRevealed ? Math.round(stage.sliders.get("matches") ?? FEWEST) : FEWEST;
 
-const orders = /** @type {WeakMap<World, number[]>} */ (new WeakMap());
-
 /** The points as they are added: the four whose shape is the least flat, by the third singular value, then one after
  * the other the one that makes it least flat.
  * @param {Stage} stage @returns {number[]} */
-export function bestOrder({world, moment: {views, usable}}) {
-  const known = orders.get(world);
-  if (known) return known;
+export const bestOrder = stage => once(stage.world, "order", () => ordered(stage));
+
+/** @param {Stage} stage */
+function ordered({moment: {views, usable}}) {
   const depth = (/** @type {number[]} */ points) => {
     const away = centred(select(views.demo, points)), W = new Float64Array(16);
     for (let i = 0; i < away.length; i += 4) for (let p = 0; p < 4; p++) for (let q = 0; q < 4; q++)
@@ -106,7 +106,6 @@ export function bestOrder({world, moment: {views, usable}}) {
     .reduce((a, b) => b.depth > a.depth ? b : a).set;
   let chosen = best(subsets(usable, Math.min(FEWEST, usable.length)));
   while (chosen.length < usable.length) chosen = best(usable.filter(i => !chosen.includes(i)).map(i => [...chosen, i]));
-  orders.set(world, chosen);
   return chosen;
 }
 
@@ -116,15 +115,8 @@ function subsets(of, count) {
   return of.flatMap((first, k) => subsets(of.slice(k + 1), count - 1).map(rest => [first, ...rest]));
 }
 
-const worlds = /** @type {WeakMap<World, Map<string, Altered>>} */ (new WeakMap());
-
 /** @param {World} world @param {string} name @param {() => World["body"]} body */
-function worldWith(world, name, body) {
-  const known = worlds.get(world) ?? new Map();
-  worlds.set(world, known);
-  if (!known.has(name)) known.set(name, new Altered(world, {body: body()}));
-  return /** @type {Altered} */ (known.get(name));
-}
+const worldWith = (world, name, body) => once(world, `with ${name}`, () => new Altered(world, {body: body()}));
 
 /** The map with the first points of the order. @param {Stage} stage @param {number} count */
 export function mapOfFirst(stage, count) {

@@ -5,7 +5,6 @@ import {energyText, escaped, fixed} from "../../view/svg.js";
 import {verdicts} from "../../view/words.js";
 import {measure} from "../measures.js";
 import {make} from "../dom.js";
-import {RACERS} from "../stage.js";
 import {written} from "./cards.js";
 import {Chart, charted, stepTicks} from "./chart.js";
 
@@ -102,10 +101,7 @@ function raceRow(stage, race) {
 /** Who came how far from the same start, the visitor first. */
 export const standings = words("draw-standings", 2.2, stage => {
   const {goal, motions, steps} = stage, heads = ["", goal === null ? "steps" : `steps to ${goal}\u00a0px²`, "E", "off", ""];
-  const rows = (stage.step.race ?? []).flatMap(servo => {
-    const race = stage.race(servo), [role, title] = RACERS[servo] ?? ["plain", servo];
-    return race ? [[role, title, ...raceRow(stage, race)]] : [];
-  });
+  const rows = stage.racing.map(({role, title, race}) => [role, title, ...raceRow(stage, race)]);
   if (steps) {
     const {E, theta} = motions[steps], isThere = goal !== null && E < goal;
     const off = farthest(theta, stage.moment.thetaDemo);
@@ -147,11 +143,8 @@ export const energies = {
   title: "E after each step",
   aspect: 1.4,
   create: charted((stage, layers) => {
-    const {goal} = stage, hasCurves = layers.has("curves"), races = (stage.step.race ?? []).flatMap(servo => {
-      const race = stage.race(servo), [role, title] = RACERS[servo] ?? ["plain", servo];
-      return race ? [{role, title, last: stage.last(race), probes: race.probes,
-        E: race.E.slice(0, stage.last(race) + 1)}] : [];
-    });
+    const {goal} = stage, hasCurves = layers.has("curves"), races = stage.racing.map(({role, title, race}) =>
+      ({role, title, last: stage.last(race), probes: race.probes, E: race.E.slice(0, stage.last(race) + 1)}));
     const all = races.flatMap(({E}) => E).filter(Number.isFinite);
     const end = Math.max(MIN_STEPS, ...races.map(({last}) => last));
     const shown = stage.played(end + 1);

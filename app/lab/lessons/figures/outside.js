@@ -36,7 +36,13 @@ class Room {
 
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {
-    if (layers.has("arms")) return this.#both(stage, layers);
+    const html = layers.has("arms") ? this.#both(stage, layers) : this.#cameras(stage, layers);
+    this.floor.setAttribute("d", this.#grid());
+    if (html !== this.last) this.over.innerHTML = this.last = html;
+  }
+
+  /** @param {Stage} stage @param {Set<string>} layers */
+  #cameras(stage, layers) {
     const {outside: view} = this, {world} = stage, demonstrator = world.arms.demonstrator;
     const cameras = camerasOf(stage), theta = stage.moment.thetaDemo;
     const hasArm = layers.has("three rays") || layers.has("arm");
@@ -44,7 +50,7 @@ class Room {
     const mark = markOf(world), foot = (/** @type {ArrayLike<number>} */ p) => [p[0], p[1], 0];
     const ends = [FIRST_SHARE, LAST_SHARE].map(share => onRay(cameras[0], mark, share)), target = targetOf(stage);
     const base = demonstrator.T_world_base, stands = [base[3], base[7], 0];
-    view.aim(OUTSIDE.azimuth, OUTSIDE.elevation, [
+    view.look(OUTSIDE.azimuth, OUTSIDE.elevation, [
       ...usual.map(camera => camera.centre), ...usual.map(({centre: [x, y, z]}) => [x, y, z + .22]),
       ...hasArm ? [target, stands, [target[0] + .3, target[1], 0], [target[0], target[1], 1.1]]
         : [...ends, ...ends.map(foot)],
@@ -52,11 +58,8 @@ class Room {
     view.draw({
       bodies: hasArm ? [{frames: demonstrator.linkFrames(theta), kind: "vi-demo"}] : [],
       eyes: layers.has("cameras") ? cameras.map((camera, k) => ({camera, kind: k ? "" : "vi-demo", name: ""})) : [],
-      lines: [], dots: [], labels: [],
     }, this.#label(stage, layers));
-    this.floor.setAttribute("d", this.#grid());
-    const html = this.#over(stage, layers, cameras);
-    if (html !== this.last) this.over.innerHTML = this.last = html;
+    return this.#over(stage, layers, cameras);
   }
 
   /** Both arms, and the eyes that turn from one to the other. @param {Stage} stage @param {Set<string>} layers */
@@ -67,18 +70,16 @@ class Room {
     const bases = [stands("demonstrator"), stands("learner")];
     const frames = [arms.demonstrator.linkFrames(thetaDemo), arms.learner.linkFrames(theta)];
     const reach = frames.flat().flatMap(T => [-.16, .16].map(d => [T[3], T[7] + d, T[11] + d]));
-    view.aim(BEHIND.azimuth, BEHIND.elevation, [foot, [head[0], head[1], head[2] + .3], ...reach,
+    view.look(BEHIND.azimuth, BEHIND.elevation, [foot, [head[0], head[1], head[2] + .3], ...reach,
       ...bases.flatMap(([x, y, z]) => [[x, y - .3, -.15], [x, y + .3, -.15], [x, y, z + .85]])]);
     const guess = layers.has("guess") ? [{frames: arms.learner.linkFrames(stage.guessed), kind: "draw-guess"}] : [];
     view.draw({
       bodies: [{frames: frames[0], kind: "vi-demo"}, {frames: frames[1], kind: ""}, ...guess],
       eyes: layers.has("eyes") ? cameras.map((camera, k) => ({camera, kind: k < 2 ? "vi-demo" : "", name: ""})) : [],
-      lines: [], dots: [], labels: [],
     }, `From outside: the orange demonstrator, the blue learner, and ` +
       `${layers.has("eyes") ? "the two eyes on a pole that look at both" : "the room"}.`);
-    this.floor.setAttribute("d", this.#grid());
     const names = new Names([0, 0, view.width, view.height]);
-    const at = (/** @type {ArrayLike<number>} */ p) => view.place(p);
+    const at = (/** @type {ArrayLike<number>} */ p) => view.at(p);
     for (const body of frames) body.slice(1).forEach((T, k) =>
       names.keepLine([at([body[k][3], body[k][7], body[k][11]]), at([T[3], T[7], T[11]])], 18));
     const bars = layers.has("eyes") ? [[0, 1], [2, 3]]
@@ -102,13 +103,12 @@ class Room {
       const eyes = view.width < SHORT_BELOW ? "two eyes" : "two eyes, turned to each arm";
       if (size === NAME_PX) names.put(eyes, at(head), "draw-ink", {away: 12, first: [0, -1]});
     }
-    html += names.html;
-    if (html !== this.last) this.over.innerHTML = this.last = html;
+    return html + names.html;
   }
 
   /** @param {Stage} stage @param {Set<string>} layers @param {Camera[]} cameras */
   #over(stage, layers, cameras) {
-    const {outside: view} = this, {world} = stage, at = (/** @type {ArrayLike<number>} */ p) => view.place(p);
+    const {outside: view} = this, {world} = stage, at = (/** @type {ArrayLike<number>} */ p) => view.at(p);
     const names = new Names([0, 0, view.width, view.height]);
     const isSmall = view.width < SMALL_PX || view.height < SMALL_SIDE, {reveal} = stage;
     const segment = (/** @type {ArrayLike<number>} */ p, /** @type {ArrayLike<number>} */ q) => {
@@ -167,7 +167,7 @@ class Room {
   /** Lines on the floor, all over the drawing. */
   #grid() {
     const {outside: view} = this;
-    const at = (/** @type {number} */ x, /** @type {number} */ y) => view.place([x, y, 0]).map(px).join(" ");
+    const at = (/** @type {number} */ x, /** @type {number} */ y) => view.at([x, y, 0]).map(px).join(" ");
     let d = "";
     for (let k = -12; k <= 16; k++) {
       const v = k * FLOOR_M;
@@ -194,8 +194,8 @@ class Room {
 
   /** @param {Stage} _ @param {[number, number]} at */
   unplace(_, at) {
-    const {x, y, scale} = this.outside.window, {unit} = this.outside;
-    return outsideMark(at[0] / unit / scale + x, at[1] / unit / scale + y);
+    const [x, y] = this.outside.unplace(null, at);
+    return outsideMark(x, y);
   }
 }
 

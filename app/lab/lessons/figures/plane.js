@@ -67,14 +67,16 @@ export class Plane extends Drawing {
       [0, 0, this.width, this.height]).sort((p, q) => p[0] - q[0]);
   }
 
-  /** px in the box of a place. @param {ArrayLike<number>} place @returns {[number, number]} */
-  placed(place) {
+  resize() { this.measure(); }
+
+  /** px in the box of a place. @param {unknown} _ @param {ArrayLike<number>} place @returns {[number, number]} */
+  place(_, place) {
     const [x, y] = this.at(place);
     return [x * this.unit, y * this.unit];
   }
 
-  /** The place at px in the box. @param {ArrayLike<number>} at @returns {[number, number]} */
-  under(at) {
+  /** The place at px in the box. @param {unknown} _ @param {ArrayLike<number>} at @returns {[number, number]} */
+  unplace(_, at) {
     const {x, y, scale} = this.window;
     return [at[0] / this.unit / scale + x, at[1] / this.unit / scale + y];
   }

@@ -1,10 +1,11 @@
 /** Eyes turned inwards: the map of E as they see and rectified by their matches, and the matches of both eyes, which
  * lie in equal rows then.
- * @import {Stage, FigureKind} from "../stage.js" @import {World} from "../../engine/world.js"
+ * @import {Stage, FigureKind} from "../stage.js"
  * @typedef {{left: number[], right: number[]}} Rectification homographies of the left and the right eye, row by row */
 import {conflict, farthest, Landscape, select, TRANSFERS} from "../../engine/engine.js";
 import {fixed} from "../../view/svg.js";
 import {lowestOf, MAP_DEG, mapOf, smallest} from "../maps.js";
+import {once} from "../../view/once.js";
 import {around, diamonds, path, polyline, rectangle, sketched, text, widthOf} from "./drawing.js";
 import {MapPanel} from "./panels.js";
 
@@ -64,13 +65,12 @@ export function mappedAsSeen({world, session: {settings: {transfer}}, moment}) {
   return {map: mapOf(world, transfer, demo), least: smallest(world, transfer, demo)};
 }
 
-const known = /** @type {WeakMap<World, Mapped>} */ (new WeakMap());
-
 /** E of a transfer between rectified images. It is measured in the images as they are.
  * @param {Stage} stage @returns {Mapped} */
-export function mappedRectified({world, session: {settings: {transfer}}, moment, records}) {
-  const made = known.get(world);
-  if (made) return made;
+export const mappedRectified = stage => once(stage.world, "rectified", () => rectifiedMap(stage));
+
+/** @param {Stage} stage @returns {Mapped} */
+function rectifiedMap({world, session: {settings: {transfer}}, moment, records}) {
   /** @type {Rectification} */
   const by = records.rectification, back = {left: inverse(by.left), right: inverse(by.right)};
   const demo = rectified(world.look("demonstrator", moment.thetaDemo).images, by);
@@ -81,9 +81,7 @@ export function mappedRectified({world, session: {settings: {transfer}}, moment,
   };
   const landscape = new Landscape(world, MAP_DEG);
   for (let g = 0; g < landscape.count; g++) landscape.E[g] = energyAt(landscape.posture(g));
-  const mapped = {map: {landscape, key: "rectified"}, least: lowestOf(landscape, energyAt)};
-  known.set(world, mapped);
-  return mapped;
+  return {map: {landscape, key: "rectified"}, least: lowestOf(landscape, energyAt)};
 }
 
 /** Of a homography, up to its scale. @param {number[]} H row by row @returns {number[]} */

@@ -1,7 +1,8 @@
 /** The room from above, with the demonstrator moved about in it, and E there beside E of other shapes.
- * @import {Stage, FigureKind} from "../stage.js" @import {Place} from "../places.js" */
+ * @import {Stage, FigureKind} from "../stage.js" */
 import {outermost, silhouettes} from "../../view/images.js";
 import {energyText, px} from "../../view/svg.js";
+import {once} from "../../view/once.js";
 import {movedPlaces} from "../places.js";
 import {Chart} from "./chart.js";
 import {Names} from "./names.js";
@@ -17,17 +18,9 @@ const MIN_E = 0.3;
 /** From above: to the left is to the left of the eyes, up is away from them. @param {ArrayLike<number>} p m */
 const above = p => [-p[1], -p[0]];
 
-/** E in all places of a stage: it is asked for in every frame.
- * @type {WeakMap<Stage, {key: string, places: Place[]}>} */
-const known = new WeakMap();
-/** @param {Stage} stage */
-function placesOf(stage) {
-  const key = `${stage.moment.theta} ${stage.moment.thetaDemo}`, kept = known.get(stage);
-  if (kept?.key === key) return kept.places;
-  const places = movedPlaces(stage);
-  known.set(stage, {key, places});
-  return places;
-}
+/** E in all places of a stage: it is asked for in every frame. @param {Stage} stage */
+const placesOf = stage =>
+  once(stage, "places", () => movedPlaces(stage), `${stage.moment.theta} ${stage.moment.thetaDemo}`);
 
 /** @type {FigureKind} */
 export const roomFromAbove = {
@@ -37,19 +30,17 @@ export const roomFromAbove = {
   create: (box, stage) => new Room(box, stage),
 };
 
-class Room {
+class Room extends Plane {
   /** @param {HTMLElement} box @param {Stage} stage */
   constructor(box, stage) {
-    this.plane = new Plane(box);
+    super(box);
     this.hulls = outermost(stage.page.hulls);
   }
 
-  resize() { this.plane.measure(); }
-
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {
-    const {plane} = this, {arms, scene} = stage.world, {moment} = stage;
-    const names = new Names([0, 0, plane.width, plane.height]);
+    const {arms, scene} = stage.world, {moment} = stage;
+    const names = new Names([0, 0, this.width, this.height]);
     const places = placesOf(stage), count = layers.has("places") ? Math.ceil(stage.reveal * places.length) : 0;
     const outline = (/** @type {"demonstrator" | "learner"} */ who, /** @type {number[]} */ theta) =>
       silhouettes(this.hulls, arms[who].linkFrames(theta), above);
@@ -58,23 +49,23 @@ class Room {
     const head = above(scene.cameras[0].centre.map((v, i) => (v + scene.cameras[1].centre[i]) / 2));
     const bases = {demonstrator: above([arms.demonstrator.T_world_base[3], arms.demonstrator.T_world_base[7]]),
       learner: above([arms.learner.T_world_base[3], arms.learner.T_world_base[7]])};
-    plane.aim(around([...demonstrator.flat(), ...learner.flat(), ...moved.flat(2), [head[0], head[1] + .3]]),
+    this.aim(around([...demonstrator.flat(), ...learner.flat(), ...moved.flat(2), [head[0], head[1] + .3]]),
       {margin: [44, 26, 20, 30], glide: false});
     let html = `<path class="draw-floor" d="${this.#grid()}"/>`;
     const body = (/** @type {number[][][]} */ hulls, /** @type {number[]} */ base, /** @type {string} */ kind) => {
       const square = [[-1, -1], [1, -1], [1, 1], [-1, 1]]
         .map(([a, b]) => [base[0] + a * PEDESTAL_M, base[1] + b * PEDESTAL_M]);
-      html += `<g class="${kind}"><path class="draw-pedestal" d="${plane.path(square, true)}"/>` +
-        `<path class="vi-hull" d="${hulls.map(points => plane.path(points, true)).join("")}"/></g>`;
+      html += `<g class="${kind}"><path class="draw-pedestal" d="${this.path(square, true)}"/>` +
+        `<path class="vi-hull" d="${hulls.map(points => this.path(points, true)).join("")}"/></g>`;
       hulls.forEach(points => {
-        const [l, t, r, b] = around(points.map(p => plane.at(p)));
+        const [l, t, r, b] = around(points.map(p => this.at(p)));
         names.keepBox([l, t, r, b]);
       });
-      names.keepBox(around(square.map(p => plane.at(p))));
+      names.keepBox(around(square.map(p => this.at(p))));
       return base;
     };
     const sight = (/** @type {number[]} */ to) => {
-      html += `<path class="draw-gaze" d="${plane.path([head, to])}"/>`;
+      html += `<path class="draw-gaze" d="${this.path([head, to])}"/>`;
     };
     if (layers.has("eyes")) {
       sight(bases.demonstrator);
@@ -96,39 +87,39 @@ class Room {
       const half = Math.max(...centres.map(p => Math.hypot(p[0] - head[0], p[1] - head[1])));
       const corners = [[-half, -HEAD_M], [half, -HEAD_M], [half, HEAD_M], [-half, HEAD_M]]
         .map(([a, b]) => [head[0] + a, head[1] + b]);
-      html += `<path class="draw-head" d="${plane.path(corners, true)}"/>`;
-      names.keepBox(around(corners.map(p => plane.at(p))));
-      names.put("two eyes", plane.at([head[0], head[1] + HEAD_M]), "vi-2nd", {away: 7, first: [0, 1]});
+      html += `<path class="draw-head" d="${this.path(corners, true)}"/>`;
+      names.keepBox(around(corners.map(p => this.at(p))));
+      names.put("two eyes", this.at([head[0], head[1] + HEAD_M]), "vi-2nd", {away: 7, first: [0, 1]});
     }
-    const side = PEDESTAL_M * plane.window.scale;
+    const side = PEDESTAL_M * this.window.scale;
     if (layers.has("E there") && count) said.push([bases.demonstrator, energyText(moment.E), "draw-name-E"]);
-    for (const [base, text, kind] of said) names.put(text, plane.at(base), kind,
-      {size: plane.width > 420 ? 15 : 13, away: side + 3, first: [-1, 0]});
-    if (layers.has("arms")) names.put("learner", plane.at(bases.learner), "vi-of-own", {away: side + 4, first: [0, 1]});
-    if (layers.has("arms")) names.put("demonstrator", plane.at(bases.demonstrator), "vi-of-demo",
+    for (const [base, text, kind] of said) names.put(text, this.at(base), kind,
+      {size: this.width > 420 ? 15 : 13, away: side + 3, first: [-1, 0]});
+    if (layers.has("arms")) names.put("learner", this.at(bases.learner), "vi-of-own", {away: side + 4, first: [0, 1]});
+    if (layers.has("arms")) names.put("demonstrator", this.at(bases.demonstrator), "vi-of-demo",
       {away: side + 4, first: [0, 1]});
     html += this.#scale();
     const where = places.slice(0, count)
       .map(({x, y, E}) => `${x} m farther and ${y} m sideways: ${energyText(E)}`).join("; ");
-    plane.show(html + names.html,
+    this.show(html + names.html,
       `The room from above: two eyes, the demonstrator and the learner. E is ${energyText(moment.E)} ` +
       `px².${count ? ` Carried, ${where}.` : ""}`);
   }
 
   #grid() {
-    const {plane} = this, [left, top] = plane.under([0, 0]);
-    const [right, bottom] = plane.under([plane.width * plane.unit, plane.height * plane.unit]);
+    const [left, top] = this.unplace(null, [0, 0]);
+    const [right, bottom] = this.unplace(null, [this.width * this.unit, this.height * this.unit]);
     let d = "";
-    for (let v = Math.ceil(left / GRID_M); v * GRID_M < right; v++) d += plane.path([[v * GRID_M, top],
+    for (let v = Math.ceil(left / GRID_M); v * GRID_M < right; v++) d += this.path([[v * GRID_M, top],
       [v * GRID_M, bottom]]);
-    for (let v = Math.ceil(top / GRID_M); v * GRID_M < bottom; v++) d += plane.path([[left, v * GRID_M],
+    for (let v = Math.ceil(top / GRID_M); v * GRID_M < bottom; v++) d += this.path([[left, v * GRID_M],
       [right, v * GRID_M]]);
     return d;
   }
 
   /** Half a metre, in a corner. */
   #scale() {
-    const {plane} = this, long = GRID_M * plane.window.scale, y = plane.height - 12;
+    const long = GRID_M * this.window.scale, y = this.height - 12;
     return `<path class="draw-scale" d="M12 ${px(y)}h${px(long)}"/>` +
       `<text class="vi-2nd" style="font-size:12px" x="${px(18 + long)}" y="${px(y + 4)}">0.5 m</text>`;
   }

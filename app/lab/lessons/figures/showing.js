@@ -85,18 +85,16 @@ export const turnedPicture = {
   create: (box, stage) => new Turned(box, stage),
 };
 
-class Turned {
+class Turned extends Plane {
   /** @param {HTMLElement} box @param {Stage} stage */
   constructor(box, stage) {
-    this.plane = new Plane(box);
+    super(box);
     this.outlines = new Outlines(stage.page.hulls);
   }
 
-  resize() { this.plane.measure(); }
-
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {
-    const {plane} = this, roll = stage.sliders.get("roll") ?? 90, {still, old, broyden} = turnedRuns(stage);
+    const roll = stage.sliders.get("roll") ?? 90, {still, old, broyden} = turnedRuns(stage);
     const point = turnedPoint(stage);
     const camera = stage.world.pairs.learner[0], turn = (/** @type {number[][]} */ points) => points.map(p => {
       const [a, b] = rolled(Float64Array.of(p[0], p[1]), roll * DEGREE, camera.principal);
@@ -112,25 +110,25 @@ class Turned {
     const [left, top, right, bottom] = around(stage.reveal > 0 ? [...whole, goal, start]
       : [goal, start, [2 * goal[0] - start[0], 2 * goal[1] - start[1]]]);
     const reach = Math.max(REACH_PX, (right - left) * .12);
-    const moves = plane.aim([left - reach, top - reach, right + reach, bottom + reach],
+    const moves = this.aim([left - reach, top - reach, right + reach, bottom + reach],
       {margin: [20, 30, 20, 20], most: 14});
     const arms = [[stage.state.demonstrator, "draw-ghost"], [stage.state.start, ""]].map(([theta, kind]) => {
       const {hulls} = seenInL(stage, this.outlines, /** @type {number[]} */ (theta));
       return {hulls: hulls.map(turn), kind};
     });
-    const names = new Names([0, 0, plane.width, plane.height]);
-    const outline = (/** @type {number[][][]} */ hulls) => hulls.map(points => plane.path(points, true)).join("");
+    const names = new Names([0, 0, this.width, this.height]);
+    const outline = (/** @type {number[][][]} */ hulls) => hulls.map(points => this.path(points, true)).join("");
     let html = arms.map(({hulls, kind}) => kind ? `<path class="${kind}" d="${outline(hulls)}"/>`
       : `<path class="vi-hull" d="${outline(hulls)}"/>`).join("");
     for (const [, role, points] of shown) {
-      const at = points.map(p => plane.at(p));
-      html += `<path class="draw-track draw-of-${role}" d="${plane.path(points)}"/>`;
+      const at = points.map(p => this.at(p));
+      html += `<path class="draw-track draw-of-${role}" d="${this.path(points)}"/>`;
       if (role !== "plain") html +=
         `<path class="draw-dots draw-of-${role}" d="${circles(at, 2.8)}"/>`;
       names.keepLine(at, 4);
     }
-    const now = plane.at(shown.find(([layer]) => layer === "old Jacobian")?.[2].slice(-1)[0] ?? start);
-    const ring = plane.at(goal), from = plane.at(start);
+    const now = this.at(shown.find(([layer]) => layer === "old Jacobian")?.[2].slice(-1)[0] ?? start);
+    const ring = this.at(goal), from = this.at(start);
     names.keep(ring, 12);
     names.keep(from, 14);
     if (layers.has("goal")) html += `<path class="draw-goal" d="${circles([ring], 9)}"/>`;
@@ -142,25 +140,25 @@ class Turned {
       const far = points.reduce((a, b) =>
         Math.hypot(b[0] - goal[0], b[1] - goal[1]) > Math.hypot(a[0] - goal[0], a[1] - goal[1])
         && layer === "Broyden" ? b : a, points[Math.min(3, points.length - 1)]);
-      names.put(layer, plane.at(far), `draw-name-${role}`, {away: 10});
+      names.put(layer, this.at(far), `draw-name-${role}`, {away: 10});
     }
     const came = `With the old Jacobian it is ${stepsText(old)}, with Broyden’s update ${stepsText(broyden)}.`;
-    plane.show(html + inset + names.html,
+    this.show(html + inset + names.html,
       `Image L of a camera turned by ${Math.round(roll)}°: one dot and its goal. ${stage.reveal > 0 ? came : ""}`);
-    if (moves) plane.again(() => this.draw(stage, layers));
+    if (moves) this.again(() => this.draw(stage, layers));
   }
 
   /** The whole picture, small, and how the camera is turned.
    * @param {Stage} stage @param {{hulls: number[][][], kind: string | number[]}[]} arms @param {Names} names
    * @param {number} roll degrees */
   #inset(stage, arms, names, roll) {
-    const {plane} = this, {width, height, principal: [cx, cy]} = stage.world.pairs.learner[0];
+    const {width, height, principal: [cx, cy]} = stage.world.pairs.learner[0];
     const frame = [[0, 0], [width, 0], [width, height], [0, height]];
     const turned = frame.map(p => [...rolled(Float64Array.from(p), roll * DEGREE, [cx, cy])]), span = around(turned);
-    const most = Math.min(INSET * plane.width, INSET_MOST), size = [span[2] - span[0], span[3] - span[1]];
+    const most = Math.min(INSET * this.width, INSET_MOST), size = [span[2] - span[0], span[3] - span[1]];
     const scale = most / Math.max(...size), [wide, high] = size.map(v => v * scale + 12);
-    const places = [[8, plane.height - high - 8], [plane.width - wide - 8, plane.height - high - 8],
-      [plane.width - wide - 8, 8], [8, 34]];
+    const places = [[8, this.height - high - 8], [this.width - wide - 8, this.height - high - 8],
+      [this.width - wide - 8, 8], [8, 34]];
     const crowd = (/** @type {number[]} */ [x, y]) => names.taken
       .filter(([l, t, r, b]) => l < x + wide && r > x && t < y + high && b > y).length;
     const [x, y] = places.reduce((a, b) => crowd(b) < crowd(a) ? b : a);
@@ -168,7 +166,7 @@ class Turned {
     const at = (/** @type {number[]} */ p) => [x + wide / 2 + (p[0] - cx) * scale, y + high / 2 + (p[1] - cy) * scale]
       .map(px).join(" ");
     const path = (/** @type {number[][]} */ points) => `M${points.map(at).join("L")}z`;
-    const w = plane.window, view = [[0, 0], [plane.width, 0], [plane.width, plane.height], [0, plane.height]]
+    const w = this.window, view = [[0, 0], [this.width, 0], [this.width, this.height], [0, this.height]]
       .map(([a, b]) => [a / w.scale + w.x, b / w.scale + w.y]);
     const up = [[cx, 10], [cx, -40]].map(p => [...rolled(Float64Array.from(p), roll * DEGREE, [cx, cy])]);
     const id = `inset-${Math.round(x)}-${Math.round(y)}-${Math.round(wide)}`;

@@ -21,7 +21,7 @@ import {energyText, escaped, fixed, px} from "../../view/svg.js";
 import {make} from "../dom.js";
 import {card, ending, table, written} from "./cards.js";
 import {Chart, stepTicks} from "./chart.js";
-import {axis, diamonds, dots, Drawing, fitted, path, polyline, rectangle, text} from "./drawing.js";
+import {axis, diamonds, dots, Drawing, fitted, path, polyline, rectangle, sketched, text} from "./drawing.js";
 
 const NO_IDEA = .5; // what a bet is where nothing is claimed
 const LEAST_E = 1e-4, MARGIN = 16, GAP = 10;
@@ -39,17 +39,12 @@ export const RUN_IMAGES = {
   layers: [],
   title: "**L** and **R** at the end",
   aspect: 1.7,
-  create(box, stage) {
-    const drawing = new Drawing(box, "lesson-run-images"), outlines = new Outlines(stage.page.hulls);
-    return {
-      resize: () => drawing.measure(),
-      draw(now) {
-        const run = runOf(now), arm = outlines.of(now.world, "learner", run.postures[run.postures.length - 1], "own");
-        drawing.show([0, 1].map(side => image(drawing, run, arm[side], side)).join(""),
-          `Images L and R: the learner's own arm at the end, with ${run.own.length / 4} points.`);
-      },
-    };
-  },
+  create: sketched("lesson-run-images", (drawing, stage) => {
+    const {page, world} = stage, run = runOf(stage), end = run.postures[run.postures.length - 1];
+    const arm = new Outlines(page.hulls).of(world, "learner", end, "end");
+    return [[0, 1].map(side => image(drawing, run, arm[side], side)).join(""),
+      `Pictures L and R: the learner's own arm at the end, with ${run.own.length / 4} points.`];
+  }),
 };
 
 /** @type {FigureKind} */

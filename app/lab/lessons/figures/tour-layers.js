@@ -5,16 +5,10 @@ import {pencilOf} from "../measures_ray.js";
 import {BASE_POINT, HAND_POINT} from "../measures_tour.js";
 import {arrows, circles, diamonds, path, polyline, widthOf} from "./drawing.js";
 import {Names} from "./names.js";
-import {arm, lineThrough, residuals, rings} from "./view-layers.js";
+import {arm, arrow, lineThrough, mark, ofOwn, pointsIn, residuals, rings} from "./view-layers.js";
 
 const LITTLE = 3; // drawing units of an arrow that is not drawn
 const NUMBER = 13, LINE_NAME = 14, MARK_WIDE = 90; // drawing units; MARK_WIDE: of a mark with its name
-
-/** @param {Frame} frame @param {Stage} stage @param {number[]} theta */
-const learnerIn = (frame, {world}, theta) => {
-  const {images} = world.look("learner", theta);
-  return (/** @type {number} */ i) => frame.of(images, i);
-};
 
 /** Names that keep clear of the arm, its points and its arrows. @param {Frame} frame @param {Stage} stage */
 function namesOver(frame, stage) {
@@ -83,7 +77,7 @@ export const TOUR_LAYERS_BELOW = {
     const {moment, truthHidden, world} = stage;
     if (frame.isDemo || truthHidden) return "";
     const outline = frame.outlines.of(world, "learner", moment.thetaDemo, "ghost")[frame.side];
-    const at = learnerIn(frame, stage, moment.thetaDemo), names = namesOver(frame, stage);
+    const names = namesOver(frame, stage);
     const hand = outline.hulls[outline.hulls.length - 1].map(frame.at);
     const own = frame.outlines.of(world, "learner", moment.theta, "own")[frame.side];
     const off = (/** @type {number[]} */ p) =>
@@ -92,13 +86,13 @@ export const TOUR_LAYERS_BELOW = {
     outline.hulls.flat().map(frame.at).forEach(p => names.keep(p, 6));
     if (Math.hypot(...moment.theta.map((v, k) => v - moment.thetaDemo[k])) > .05)
       names.put("ghost", tip, "vi-2nd", {away: 9, first: [0, 1]});
-    return arm(outline, frame, "vi-goal", "vi-goal-bone") + rings(frame.shown.map(at), 4.4, "vi-goal-ring")
+    return arm(outline, frame, "vi-goal", "vi-goal-bone") + rings(pointsIn(frame, stage, moment.thetaDemo), 4.4, "vi-goal-ring")
       + names.html;
   },
   "ghost lines": (frame, stage) => {
     if (frame.isDemo || stage.truthHidden) return "";
     const ghost = stage.ghost(), lines = [0, 1].map(eye => stage.line(eye, frame.side, ghost));
-    const at = learnerIn(frame, stage, stage.moment.thetaDemo)(stage.chosen);
+    const at = frame.of(stage.world.look("learner", stage.moment.thetaDemo).images, stage.chosen);
     return lines.map((line, eye) => lineThrough(frame, line, `draw-ghost-line${eye ? " vi-from-right" : ""}`)).join("")
       + rings([at], 6, "vi-goal-ring");
   },
@@ -108,16 +102,12 @@ export const TOUR_LAYERS_BELOW = {
   },
   "line from l": lineFrom(0, "vi-line vi-line-large"),
   "line from r": lineFrom(1, "vi-line vi-line-large vi-from-right"),
-  "goal": (frame, stage) => {
-    if (frame.isDemo) return "";
-    const at = learnerIn(frame, stage, stage.moment.thetaDemo), {chosen} = stage;
-    return rings(frame.shown.map(at), 5, "draw-goal") + rings([at(chosen)], 12, "draw-goal draw-goal-ringed");
-  },
-  "predicted": (frame, {rounds}) => {
-    if (frame.isDemo || !rounds.length) return "";
-    const way = [rounds[0].from, ...rounds.map(({to}) => to)].map(frame.at);
-    return path("draw-went", polyline(way));
-  },
+  "goal": ofOwn((frame, stage) => {
+    const goal = pointsIn(frame, stage, stage.moment.thetaDemo), ringed = goal[frame.shown.indexOf(stage.chosen)];
+    return rings(goal, 5, "draw-goal") + rings(ringed ? [ringed] : [], 12, "draw-goal draw-goal-ringed");
+  }),
+  "predicted": ofOwn((frame, {rounds}) =>
+    path("draw-went", polyline([...rounds.slice(0, 1).map(({from}) => from), ...rounds.map(({to}) => to)].map(frame.at)))),
 };
 
 /** Layers over them. @type {Record<string, Layer>} */
@@ -131,15 +121,14 @@ export const TOUR_LAYERS_ABOVE = {
     const drawn = all.map(({from, to}) => [from, to]).filter(([from, to]) => Math.hypot(from[0] - to[0], from[1] - to[1]) > LITTLE);
     return arrows(drawn, 9, "draw-way", "draw-way-tip") + names.html;
   },
-  "left over": (frame, stage) => {
-    if (frame.isDemo) return "";
+  "left over": ofOwn((frame, stage) => {
     const {second, left} = pencilOf(stage), {images} = frame;
     const ends = second.map(({a, b}, i) => {
       const p = [images[4 * i + 2 * frame.side], images[4 * i + 2 * frame.side + 1]];
       return /** @type {[number[], number[]]} */ ([frame.at(p), frame.at([p[0] - left[i] * a, p[1] - left[i] * b])]);
     });
     return arrows(ends);
-  },
+  }),
   "five points": (frame, stage) => {
     const names = new Names([0, 0, frame.width, frame.height]);
     const found = frame.layers.has("pencil") ? pencilOf(stage) : null;
@@ -179,15 +168,10 @@ export const TOUR_LAYERS_ABOVE = {
   },
 };
 
-/** @param {number} wide @param {string} marks */
-const sample = (wide, marks) => `<svg viewBox="0 0 ${wide} 12" class="vi">${marks}</svg>`;
-
 /** What their marks mean. @type {Record<string, string>} */
 export const TOUR_LEGEND = {
   "needed displacement":
-    `${sample(34, '<path class="draw-way" d="M2 6h24"/><path class="draw-way-tip" d="M33 6l-9-4.5v9z"/>')}\
-the way to the ghost, which the learner cannot see`,
-  "left over": `${sample(34, '<path class="vi-e" d="M2 6h25"/><path class="vi-tip" d="M33 6l-8-4v8z"/>')}\
-how far a point is from its line`,
-  "goal": `${sample(14, `<path class="draw-goal" d="${circles([[7, 6]], 4.5)}"/>`)}where a dot should go`,
+    `${arrow("draw-way", "draw-way-tip")}the way to the ghost, which the learner cannot see`,
+  "left over": `${arrow("vi-e", "vi-tip")}how far a point is from its line`,
+  "goal": `${mark(`<path class="draw-goal" d="${circles([[0, 0]], 4.5)}"/>`)}where a dot should go`,
 };

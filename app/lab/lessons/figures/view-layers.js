@@ -32,7 +32,7 @@ export function lineThrough(frame, line, kind, name = "", share = .8) {
   if (!ends.length) return "";
   const [[a, b], [c, d]] = ends, turn = Math.atan2(d - b, c - a) * 180 / Math.PI, whole = polyline(ends);
   const words = name && `<g transform="translate(${px(a + share * (c - a))} ${px(b + share * (d - b))})rotate(${px(turn)})">${
-    text(0, -6, name, "vi-chosen vi-halo vi-mid").replace(/>(line from )?([lr])</, '>$1<tspan class="eye">$2</tspan><')}</g>`;
+    text(0, -6, name, "vi-chosen vi-halo vi-mid")}</g>`;
   return path("vi-line-case", whole) + path(kind, whole) + words;
 }
 
@@ -57,21 +57,23 @@ export const rings = (points, r, kind) => path(kind, circles(points, r));
 const elsewhere = ({outlines, side}, {world}, theta, name) => outlines.of(world, "learner", theta, name)[side];
 
 /** Its points there. @param {Frame} frame @param {Stage} stage @param {number[]} theta */
-const pointsIn = ({of, shown}, {world}, theta) => {
+export const pointsIn = ({of, shown}, {world}, theta) => {
   const {images} = world.look("learner", theta);
   return shown.map(i => of(images, i));
 };
 
+/** A layer of L and R alone. @param {Layer} layer @returns {Layer} */
+export const ofOwn = layer => (frame, stage) => frame.isDemo ? "" : layer(frame, stage);
+
 /** @type {Record<string, Layer>} */
 export const OWN_LAYERS = {
   "framed": () => "",
-  "guessed": (frame, stage) => frame.isDemo ? "" : arm(elsewhere(frame, stage, stage.guessed, "guess"), frame,
-    "vi-guess", "vi-guess-bone"),
-  "guessed arrows": (frame, stage) => {
-    if (frame.isDemo) return "";
+  "guessed": ofOwn((frame, stage) =>
+    arm(elsewhere(frame, stage, stage.guessed, "guess"), frame, "vi-guess", "vi-guess-bone")),
+  "guessed arrows": ofOwn((frame, stage) => {
     const there = pointsIn(frame, stage, stage.guessed), goal = pointsIn(frame, stage, stage.moment.thetaDemo);
     return rings(goal, 4.4, "vi-goal-ring") + arrows(there.map((p, k) => [p, goal[k]]));
-  },
+  }),
   "skeleton": (frame, stage) => {
     const {moment, world} = stage, {fitted} = moment;
     if (frame.isDemo || !fitted) return "";
@@ -82,11 +84,11 @@ export const OWN_LAYERS = {
   },
   "points": frame =>
     frame.isDemo ? path("vi-seen", diamonds(frame.shown.map(i => frame.of(frame.images, i)), 4.6)) : "",
-  "arrows": (frame, stage) => frame.isDemo ? "" : arrows(residuals(frame, stage)),
-  "own points": (frame, stage) =>
-    frame.isDemo ? "" : path("vi-own vi-own-large", dots(residuals(frame, stage).map(([, own]) => own))),
-  "recovered points": (frame, stage) =>
-    frame.isDemo ? "" : path("vi-found", diamonds(residuals(frame, stage).map(([found]) => found), 5)),
+  "arrows": ofOwn((frame, stage) => arrows(residuals(frame, stage))),
+  "own points": ofOwn((frame, stage) =>
+    path("vi-own vi-own-large", dots(residuals(frame, stage).map(([, own]) => own)))),
+  "recovered points": ofOwn((frame, stage) =>
+    path("vi-found", diamonds(residuals(frame, stage).map(([found]) => found), 5))),
   "own chosen": ({isDemo, of, images, shown}, {chosen}) => !isDemo && shown.includes(chosen)
     ? path("vi-own vi-own-large", dots([of(images, chosen)])) + rings([of(images, chosen)], 11, "vi-ring") : "",
 };
@@ -122,17 +124,17 @@ function named({width, height}, at, unit, by, name) {
   return text(x, y + 4.5, String(name), "lesson-pair-name vi-b vi-halo vi-mid");
 }
 
-const mark = (/** @type {string} */ inside, /** @type {number} */ wide = 8) =>
+export const mark = (/** @type {string} */ inside, /** @type {number} */ wide = 8) =>
   `<svg viewBox="${-wide} -8 ${2 * wide} 16" class="vi" aria-hidden="true">${inside}</svg>`;
-const arrow = (/** @type {string} */ kind) =>
-  mark(`<path class="${kind}" d="M-11 0h15"/><path class="${kind === "vi-e" ? "vi-tip" : "vi-way-tip"}" d="M11 0l-7-3.5v7z"/>`, 13);
+export const arrow = (/** @type {string} */ kind, /** @type {string} */ tip) =>
+  mark(`<path class="${kind}" d="M-11 0h15"/><path class="${tip}" d="M11 0l-7-3.5v7z"/>`, 13);
 
 /** What marks mean, by layer: HTML. @type {Record<string, string>} */
 export const OWN_LEGEND = {
   "points": `${mark('<path class="vi-seen" d="M-5 0l5-5 5 5-5 5z"/>')}point of the demonstrator`,
   "own points": `${mark('<path class="vi-own" d="M0 0h0"/>')}own point`,
   "recovered points": `${mark('<path class="vi-found" d="M-5 0l5-5 5 5-5 5z"/>')}where the lines put it`,
-  "arrows": `${arrow("vi-e")}arrow: the disagreement`,
+  "arrows": `${arrow("vi-e", "vi-tip")}arrow: the disagreement`,
   "skeleton": `${mark('<path class="vi-bone vi-found" d="M-12 3l12-6 12 6"/>', 13)}arm by the lines`,
   "ghost": `${mark('<rect class="vi-goal" x="-7" y="-6" width="14" height="12" rx="4"/><circle class="vi-goal-ring" r="3.4"/>')}ghost: the learner in the demonstrator’s pose`,
   "guessed": `${mark('<rect class="vi-guess" x="-7" y="-6" width="14" height="12" rx="4"/>')}your guess`,

@@ -1,5 +1,5 @@
 /** One of the four images, large: the arm in it, and over it the layers that the step asks for.
- * @import {Stage, FigureKind, Mark} from "../stage.js" @import {Line} from "../rays.js" @import {Moment} from "../../engine/session.js" @import {Layer} from "./view-layers.js" @import {Rectangle} from "./drawing.js" */
+ * @import {Stage, FigureKind} from "../stage.js" @import {Line} from "../rays.js" @import {Moment} from "../../engine/session.js" @import {Layer} from "./view-layers.js" @import {Rectangle} from "./drawing.js" */
 import {Outlines} from "../../view/images.js";
 import {around} from "./drawing.js";
 import {Plane} from "./plane.js";
@@ -59,12 +59,6 @@ class View extends Plane {
     const whose = isDemo ? "the demonstrator" : "the learner’s own arm", eye = side ? "right" : "left";
     this.show(html, `Image ${name}: ${whose}, seen by the ${eye} eye${names.length ? `; it shows ${names.join(", ")}` : ""}`);
   }
-
-  /** @param {Stage} _ @param {Mark} mark */
-  place(_, mark) { return this.placed(mark); }
-
-  /** @param {Stage} _ @param {[number, number]} at */
-  unplace(_, at) { return this.under(at); }
 
   resize() {
     this.measure();

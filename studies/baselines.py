@@ -10,6 +10,10 @@ them. Pinhole views of equal bodies in equal postures agree exactly. Elsewhere t
 only its time can be compared.
 """
 
+from viewimit.geometry import limit_blas_threads
+
+limit_blas_threads()  # before numpy is loaded: CPU times count all threads
+
 import argparse
 import importlib.util
 

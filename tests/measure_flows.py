@@ -76,7 +76,8 @@ def reload() -> set[str]:
     page = page_at_rest()
     page.page.queue.call("step")
     kept, again = page.kept, QuietPage(Settings.paper())
-    again.tick(1.0)
+    for _ in range(20):  # until its own landscape is there
+        again.tick(0.5)
     pieces = [[1, "session", kept]]
     with Files() as files:
         following = again.page.model.following

@@ -11,7 +11,6 @@ import signal
 import socket
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from http import HTTPStatus
 
@@ -23,12 +22,19 @@ from websockets.http11 import Request, Response
 
 from viewimit.processes import stop_signals
 
+from ..lab.lessons.format import Lesson
+from ..lab.lessons.page import HERE, lesson_page
+from ..lab.page import lab_page
 from ..server.address import is_own_page
 from ..server.limits import Limits, PendingConnections
 from ..server.web import Connection, content_policy, plain_response, serving_options
+from ..ways import Ways
 from .protocol import MAX_MESSAGE_BYTES, Rejected, decode
 from .room import Browser, Room
 
+ENTRY = "lessons/class.js"
+STYLES = "class.css", "../challenge/challenge.css"
+WAYS = Ways(play="lab", learn="./")
 LIMITS = Limits()
 TICK_S = 0.25
 MAX_FRAME_BYTES = 4 * MAX_MESSAGE_BYTES  # longer messages are not even read
@@ -37,15 +43,6 @@ BACKLOG = 2048  # connections that wait to be accepted, as when a class opens th
 UNREADABLE = {1002: "a frame that is none", 1007: "text that is not UTF-8", 1009: "a message that is too long"}
 META_POLICY = re.compile(r'<meta http-equiv="Content-Security-Policy"[^>]*?script-src (?P<scripts>[^;"]*)[^>]*>\n?')
 log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class ServerOptions:
-    """How a class is served."""
-
-    embed: tuple[str, ...] = ()  # origins whose pages may show the class in a frame
-    origins: tuple[str, ...] = ()  # by which browsers know it besides its addresses and this machine's names
-    trusted: str = ""  # addresses of proxies whose X-Forwarded-For is believed, separated by commas; * for all
 
 
 class Page:
@@ -84,11 +81,25 @@ class Page:
         return Response(200, "OK", headers, body)
 
 
-class ClassServer:
-    """Serves pages, by path, and the websockets of a room."""
+def class_pages(lessons: Mapping[str, Lesson], embed: Sequence[str]) -> dict[str, Page]:
+    """Return the pages by path: lessons in one page, with what a lecturer and students need, and the lab. A lecturer's
+    own lessons take seconds, as they are computed."""
+    styles = "\n".join((HERE / name).read_text("utf-8") for name in STYLES)
+    return {
+        "/": Page(lesson_page(lessons, ENTRY, styles, ways=WAYS), embed),
+        "/lab": Page(lab_page(ways=WAYS), embed),
+    }
 
-    def __init__(self, room: Room, pages: Mapping[str, Page], options: ServerOptions):
-        self._room, self._pages, self._options = room, pages, options
+
+class ClassServer:
+    """Serves pages, by path, and the websockets of a room.
+
+    origins: by which browsers know it besides its addresses and this machine's names; trusted: addresses of proxies
+    whose X-Forwarded-For is believed, separated by commas; * for all.
+    """
+
+    def __init__(self, room: Room, pages: Mapping[str, Page], origins: Sequence[str] = (), trusted: str = ""):
+        self._room, self._pages, self._origins, self._trusted = room, pages, origins, trusted
         most = allow_many_connections() // 2  # the others are for those who have a websocket
         self._pending = PendingConnections(most, most)
 
@@ -125,7 +136,7 @@ class ClassServer:
             origin, host = request.headers.get("Origin", ""), request.headers.get("Host", "")
         except MultipleValuesError:
             return plain_response(HTTPStatus.BAD_REQUEST, "a header that may come once comes twice\n")
-        if not is_own_page(origin, host, self._options.origins):
+        if not is_own_page(origin, host, self._origins):
             address = self._address_of(connection)
             log.warning("rejected from %s: a page of another origin, %.80r; --address lets its own in", address, origin)
             return plain_response(HTTPStatus.FORBIDDEN, "a page of another origin\n")
@@ -135,7 +146,7 @@ class ClassServer:
         """Where a browser is: of proxies that are trusted, what they say of it."""
         peer = connection.remote_address
         told = ",".join(connection.request.headers.get_all("X-Forwarded-For")) if connection.request else ""
-        return client_address(peer[0] if peer else "", told, self._options.trusted)
+        return client_address(peer[0] if peer else "", told, self._trusted)
 
     async def _serve(self, connection: ServerConnection) -> None:
         """One websocket, from its handshake to its end."""

@@ -94,7 +94,7 @@ class Store:
             self.kept, self.rounds = self._kept(), self._rounds()
 
     def _open(self) -> sqlite3.Connection:
-        return sqlite3.connect(str(self.path), timeout=LOCKED_S, check_same_thread=False, isolation_level=None)
+        return sqlite3.connect(str(self.path), timeout=LOCKED_S, check_same_thread=False, isolation_level="IMMEDIATE")
 
     @contextlib.contextmanager
     def _readable(self) -> Iterator[None]:
@@ -249,15 +249,9 @@ class Store:
         self._file.close()
 
     def _commit(self, changes: list[Change]) -> None:
-        self._file.execute("begin immediate")
-        try:
+        with self._file:  # as one transaction
             for statement, values in changes:
                 self._file.execute(statement, values)
-            self._file.execute("commit")
-        except sqlite3.Error:
-            if self._file.in_transaction:
-                self._file.execute("rollback")
-            raise
 
 
 def _columns(file: sqlite3.Connection) -> dict[str, list[str]]:

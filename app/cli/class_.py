@@ -64,10 +64,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from ..classroom.answers import asks_of
-    from ..classroom.pages import class_pages, lessons_of
     from ..classroom.room import Room
-    from ..classroom.server import ClassServer, ServerOptions
+    from ..classroom.server import ClassServer, class_pages
     from ..classroom.store import Store
+    from ..lab.lessons.source import find, shipped
     from ..server.address import listen, require_free, require_origin
 
     with naming("--embed"):
@@ -77,10 +77,9 @@ def run(args: argparse.Namespace) -> int:
         origins = () if args.address is None else (_origin(args.address),)
         for origin in origins:
             require_origin(origin)
-    options = ServerOptions(tuple(args.embed), origins, args.trust_proxy)
     with naming("--lesson"):
-        lessons = lessons_of(args.lesson)
-        pages = class_pages(lessons, options.embed)
+        lessons = dict(map(find, args.lesson)) if args.lesson else shipped()
+        pages = class_pages(lessons, args.embed)
     with naming("--data"):
         path = args.data or _usual_file(args.port)
         store = Store(path)
@@ -103,7 +102,7 @@ def run(args: argparse.Namespace) -> int:
     _say_code(room.has_own_code, code)
     print(f"answers are kept in {path}" + (f"; it has {len(found)} already" if (found := store.answers()) else ""))
     sys.stdout.flush()
-    asyncio.run(ClassServer(room, pages, options).run(listeners))
+    asyncio.run(ClassServer(room, pages, origins, args.trust_proxy).run(listeners))
     return DONE
 
 

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from ..model.choices import FLAGS, LARGE, NO_POINT, SWITCHED
 from ..model.page_model import PageModel
-from ..model.queue import number, one_of, text
+from ..model.queue import number, one_of
 from .registry import command
 
 CLIENT_REPORTED = {"dark": "prefers_dark", "truth": "truth", "flat": "flat"}  # fields of View, by link
@@ -58,7 +58,7 @@ def prefer_still(model: PageModel, still: Annotated[bool, one_of(FLAGS, NO_FLAG)
 
 
 @command("unseen", order_independent=True, link=True)
-def hide_tabs(model: PageModel, tabs: Annotated[str, text]) -> None:
+def hide_tabs(model: PageModel, tabs: str) -> None:
     """Take which tabs nobody sees, as the browser says: see `View.unseen`."""
     model.show(unseen=frozenset() if tabs == "none" else frozenset(tabs.split(",")))
 

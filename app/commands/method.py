@@ -7,7 +7,7 @@ from viewimit.servo import SERVOS
 
 from ..model.choices import AMOUNTS, joint_choices, layout_choices
 from ..model.page_model import PageModel
-from ..model.queue import choice, named, one_of, text
+from ..model.queue import choice, named, one_of
 from .registry import command
 
 Transfer = Annotated[str, lambda value: named(value, TRANSFERS, "there is no transfer {value}")]
@@ -27,7 +27,7 @@ def change_servo(model: PageModel, name: Servo) -> None:
 @command("disturbance", latest=True, moves=True)
 def change_disturbance(
     model: PageModel,
-    name: Annotated[str, one_of({name: name for name in AMOUNTS}, "there is no disturbance {value}")],
+    name: Annotated[str, one_of(AMOUNTS.keys(), "there is no disturbance {value}")],
     value: float,
 ) -> None:
     """Change a disturbance. value: in the units of its slider."""
@@ -51,7 +51,7 @@ def switch_camera(model: PageModel, on: bool) -> None:
 
 
 @command("joints", latest=True, moves=True)
-def free_joints(model: PageModel, name: Annotated[str, text]) -> None:
+def free_joints(model: PageModel, name: str) -> None:
     """Let other joints move, by the name of the choice; which there are depends on the scene."""
     settings = model.session.settings
     joints = choice(name, joint_choices(settings), "there is no choice of joints {value}")
@@ -60,7 +60,7 @@ def free_joints(model: PageModel, name: Annotated[str, text]) -> None:
 
 
 @command("points", latest=True, moves=True)
-def choose_layout(model: PageModel, name: Annotated[str, text]) -> None:
+def choose_layout(model: PageModel, name: str) -> None:
     """Choose a layout of body points by its name; which there are depends on the scene."""
     fields = choice(name, layout_choices(model.session.settings), "there is no layout {value}")
     if fields:

@@ -1,19 +1,19 @@
 """`@command`: declares a function as a command, which keys, buttons, sliders and links call by its name.
 
 A command is a function of the page's model and of typed parameters. What a browser sends for a parameter is checked by
-its annotation: `int` and `float` take finite numbers, `bool` a checkbox; `Annotated[T, parse]` takes what `parse`
-accepts, which raises ValueError, in words for the visitor, for all else. A keyword-only parameter `now` is given the
-time in seconds.
+its annotation: `int` and `float` take finite numbers, `bool` a checkbox, `str` any text; `Annotated[T, parse]` takes
+what `parse` accepts, which raises ValueError, in words for the visitor, for all else. A keyword-only parameter `now` is
+given the time in seconds.
 """
 
 import inspect
 from collections.abc import Callable
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
-from ..model.queue import Command, number, switch, whole
+from ..model.queue import Command, number, switch, text, whole
 
 COMMANDS: dict[str, Command] = {}
-PARSERS: dict[type, Callable[[Any], Any]] = {int: whole, float: number, bool: switch}
+PARSERS: dict[type, Callable[[Any], Any]] = {int: whole, float: number, bool: switch, str: text}
 Function = TypeVar("Function", bound=Callable[..., None])
 
 
@@ -39,5 +39,5 @@ def command(name: str, **options: Any) -> Callable[[Function], Function]:
 def _parser(name: str, parameter: str, hint: Any) -> Callable[[Any], Any]:
     found = get_args(hint)[1] if get_origin(hint) is Annotated else PARSERS.get(hint)
     if found is None:
-        raise ValueError(f"command {name!r}: {parameter} needs int, float, bool or Annotated[type, parse]")
+        raise ValueError(f"command {name!r}: {parameter} needs int, float, bool, str or Annotated[type, parse]")
     return found

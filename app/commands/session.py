@@ -16,11 +16,11 @@ from ..model.editing import Rehearsal
 from ..model.keeping import become
 from ..model.link import read_link
 from ..model.page_model import PageModel
-from ..model.queue import choice, number, one_of, text
+from ..model.queue import choice, number, one_of
 from .registry import command
 
 MESSAGE_S = 6.0  # s that a message stays
-Word = Annotated[str, one_of(lambda: {key: key for key in glossary()}, "the glossary has no entry {value}")]
+Word = Annotated[str, one_of(lambda: glossary().keys(), "the glossary has no entry {value}")]
 Angles = Annotated[tuple[float, ...], lambda value: tuple(map(number, value.split(",")))]  # degrees, "25,-45"
 Position = Annotated[NDArray, lambda value: np.array(value, float)]  # (3,) m in the world
 
@@ -102,7 +102,7 @@ def _preset_needs_camera(model: PageModel, name: str) -> bool:
 
 
 @command("preset", latest=True, moves=True, camera=_preset_needs_camera)
-def choose_preset(model: PageModel, name: Annotated[str, text]) -> None:
+def choose_preset(model: PageModel, name: str) -> None:
     """Begin with a preset of the page's list."""
     if name != modified(model.preset.name):  # which it is already
         offered = {**model.presets.offered, model.preset.name: model.preset}
@@ -166,17 +166,15 @@ def show_word(model: PageModel, key: Word) -> None:
 
 # Commands that make a page what a link holds, or what its own tab has kept.
 
-Text = Annotated[str, text]
-
 
 @command("link", latest=True, moves=True, link=True)
-def follow_link(model: PageModel, address: Text) -> None:
+def follow_link(model: PageModel, address: str) -> None:
     """Become what a link holds. Its motions are computed beside the page, as that may take seconds."""
     model.following.begin(read_link(address, model.begun), partial(become, model))
 
 
 @command("session", latest=True, link=True)
-def restore_session(model: PageModel, kept: Text) -> None:
+def restore_session(model: PageModel, kept: str) -> None:
     """Become what the tab has kept; an empty text of a new tab."""
     if model.is_kept:
         return

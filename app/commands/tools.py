@@ -136,18 +136,13 @@ def save_replay(model: PageModel, *, now: float) -> None:
 
 
 @command("picture", latest=True)
-def choose_picture(
-    model: PageModel,
-    name: Annotated[str, one_of({title: name for name, title in PICTURES.items()}, "there is no picture {value}")],
-) -> None:
+def choose_picture(model: PageModel, name: Annotated[str, one_of(PICTURES, "there is no picture {value}")]) -> None:
     """Choose which panel is saved as a picture."""
     model.show(picture=name)
 
 
 @command("picture_format", latest=True)
-def choose_format(
-    model: PageModel, name: Annotated[str, one_of({name: name for name in FORMATS}, "there is no format {value}")]
-) -> None:
+def choose_format(model: PageModel, name: Annotated[str, one_of(FORMATS, "there is no format {value}")]) -> None:
     model.show(picture_as=name)
 
 

@@ -186,10 +186,9 @@ class Presets:
 # How a page shows its session: what its visitor and its browser have chosen, and messages.
 
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
-CLIENT_REPORTED = ("prefers_dark", "flat", "truth", "unseen")  # fields that the browser reports
 WINDOW = "window"  # instead of all tabs' names
 SWITCHES = "goal", "rays", "residuals", "gizmo", "whole_frames", "rectified", "shadows", "details"  # kept by name
-SWITCHED = {name: name for name in (*SWITCHES, "flat", "dark", "look_only")}  # that the visitor sets
+SWITCHED = *SWITCHES, "flat", "dark", "look_only"  # that the visitor sets
 
 
 @dataclass(frozen=True)

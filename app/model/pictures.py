@@ -157,4 +157,4 @@ FIGURES: Mapping[str, Callable[[PageModel], Picture]] = {
     "Duel": _duel,
     "Experiments": _experiment,
 }
-PICTURES = {name: name for name in (*FIGURES, SPACE)}  # titles, by what a view has chosen
+PICTURES = *FIGURES, SPACE

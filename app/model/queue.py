@@ -256,9 +256,17 @@ def text(value: object) -> str:
     return value
 
 
-def one_of(options: Mapping[str, Any] | Callable[[], Mapping[str, Any]], refusal: str) -> Callable[[object], Any]:
-    """Return a parser that takes a name of `options`, and returns the option. refusal: as of `choice`."""
-    return lambda value: choice(value, options() if callable(options) else options, refusal)
+def one_of(options: Any, refusal: str) -> Callable[[object], Any]:
+    """Return a parser that takes a name of `options`, and returns what it stands for, or itself.
+
+    options: a mapping, names, or a function that returns one of both; refusal: as of `choice`.
+    """
+
+    def parse(value: object) -> Any:
+        names = options() if callable(options) else options
+        return choice(value, names if isinstance(names, Mapping) else dict(zip(names, names)), refusal)
+
+    return parse
 
 
 def _quoted(value: object) -> str:

@@ -3,6 +3,7 @@
 import threading
 import time
 from collections.abc import Callable
+from concurrent.futures import Future, wait
 from contextlib import AbstractContextManager
 
 import numpy as np
@@ -265,37 +266,33 @@ class Background:
     """
 
     def __init__(self):
-        self._thread: threading.Thread | None = None
-        self._fault: BaseException | None = None
+        self._turn: Future | None = None
         self.alone = False
 
     @property
     def busy(self) -> bool:
-        return self._thread is not None
+        return self._turn is not None
 
     def begin(self, turn: Callable[[], None], alone: bool) -> None:
-        self.alone = alone
-        self._thread = threading.Thread(target=self._carry_out, args=(turn,), name="viewimit-turn", daemon=True)
-        self._thread.start()
+        self._turn, self.alone = Future(), alone
+        threading.Thread(target=_carry_out, args=(self._turn, turn), name="viewimit-turn", daemon=True).start()
 
     def end(self) -> bool:
         """Whether a turn has ended since it was asked last. Raises what the turn raised."""
-        if self._thread is None or self._thread.is_alive():
+        if self._turn is None or not self._turn.done():
             return False
-        self._thread, self.alone = None, False
-        fault, self._fault = self._fault, None
-        if fault is not None:
-            raise fault
+        ended, self._turn, self.alone = self._turn, None, False
+        ended.result()
         return True
 
     def wait(self, seconds: float) -> bool:
         """Whether no turn goes on any more, after that time at most."""
-        if self._thread is not None:
-            self._thread.join(seconds)
-        return self._thread is None or not self._thread.is_alive()
+        return self._turn is None or not wait([self._turn], seconds).not_done
 
-    def _carry_out(self, turn: Callable[[], None]) -> None:
-        try:
-            turn()
-        except BaseException as fault:  # raised where the turn ends, in the thread that draws the page
-            self._fault = fault
+
+def _carry_out(ending: Future, turn: Callable[[], None]) -> None:
+    try:
+        turn()
+        ending.set_result(None)
+    except BaseException as fault:  # raised where the turn ends, in the thread that draws the page
+        ending.set_exception(fault)

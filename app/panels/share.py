@@ -33,8 +33,8 @@ def save(layout: Layout, model: PageModel) -> None:
     gui = layout.gui
     with layout.folder("Save"):
         layout.button(("Save replay", Icon.MOVIE), "save_replay", hint=REPLAY)
-        layout.dropdown("Picture", list(PICTURES.values()), lambda model: PICTURES[model.view.picture], "picture")
-        layout.dropdown("As", list(FORMATS), lambda model: model.view.picture_as, "picture_format")
+        layout.dropdown("Picture", PICTURES, lambda model: model.view.picture, "picture")
+        layout.dropdown("As", FORMATS, lambda model: model.view.picture_as, "picture_format")
         layout.button(("Save picture", Icon.PHOTO_DOWN), "save_picture", hint=PICTURE)
         if why := lacking():
             gui.add_html(f'<div class="vi-why">{html.escape(why)}</div>')

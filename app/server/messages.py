@@ -112,25 +112,12 @@ class FileTransferPart(_Message):
     content: bytes
 
 
-ALLOWED = (
-    ViewerCameraMessage,
-    GuiUpdateMessage,
-    CommandTriggerMessage,
-    TransformControlsUpdateMessage,
-    TransformControlsDragStartMessage,
-    TransformControlsDragEndMessage,
-    ScenePointerMessage,
-    FileTransferStartUpload,
-    FileTransferPart,
-)
-
-
 class _Kind(msgspec.Struct):
     type: str
 
 
 _read_kind = msgspec.msgpack.Decoder(_Kind).decode
-_READERS = {kind.__name__: msgspec.msgpack.Decoder(kind).decode for kind in ALLOWED}
+_READERS = {kind.__name__: msgspec.msgpack.Decoder(kind).decode for kind in _Message.__subclasses__()}
 
 
 def read(raw: bytes | str) -> msgspec.Struct:

@@ -126,12 +126,6 @@ def without(told, *names):
     return {name: value for name, value in told.items() if name not in names}
 
 
-def test_imitate_repeats_itself_from_its_seed(ask):
-    noisy = ("imitate", "--noise-px", 0.5, "--missing", 0.05, "--json", "--max-motions", 30)
-    first, again, other = ask(*noisy, "--seed", 1), ask(*noisy, "--seed", 1), ask(*noisy, "--seed", 2)
-    assert first[1] == again[1] != other[1]
-
-
 def test_a_run_that_does_not_converge_says_so_and_exits_with_1(ask):
     status, out, err = ask("imitate", "--servo", "gradient", "--max-motions", 5, "--json")
     told = json.loads(out)
@@ -198,7 +192,6 @@ def files(tmp_path, monkeypatch):
     (tmp_path / "stiff.urdf").write_text(PANDA.replace('lower="-1.8326" upper="1.8326"', 'lower="0" upper="1"'))
     (tmp_path / "panda.toml").write_text((ROOT / "scenes/panda.toml").read_text())
     (tmp_path / "broken.toml").write_text("title = \n")
-    (tmp_path / "nan.toml").write_text('extends = "panda"\n[head]\nbaseline = nan\n')
     (tmp_path / "lost.toml").write_text('extends = "panda"\nrobot = "lost.urdf"\n')
     (tmp_path / "wrong.json").write_text('{"name": 3}')
     monkeypatch.chdir(tmp_path)
@@ -214,14 +207,12 @@ BAD_INPUT = [
     ("imitate --scene moon", "--scene: no scene 'moon'; there are .*panda"),
     ("imitate --robot six.urdf --tip=", "--robot: six.urdf: #tip is not read: say six.urdf#base=LINK&tip=LINK"),
     ("imitate --scene broken.toml", "--scene: broken.toml: .*line 1"),
-    ("imitate --scene nan.toml", "--scene: nan.toml: head.baseline is nan"),
     (
         "imitate --scene lost.toml",
         "--scene: lost.toml: its robot, lost.urdf, is not there: put it there, or name it by --robot",
     ),
     ("imitate --n-points 11", "--n-points: no layout of 11 points in this scene; it has .*10, 16, 20"),
     ("imitate --joints 2,9", "--joints: .*joints 2, 9 must ascend, within 1 … 7"),
-    ("imitate --frames 0", "--frames: frames must be between 1 and 1000, got 0"),
     ("imitate --demonstrator 45,20", "--demonstrator: its joint 4 at 20° is outside its limits -180° … 0°"),
     ("imitate --start 45,-20 --workspace-deg 50:90,-30:0", "--start: the start posture is outside the workspace"),
     (
@@ -231,26 +222,18 @@ BAD_INPUT = [
     ("imitate --workspace-deg -10:90,-90:0", "range 1, -10° … 90°, is not inside its joint's limits 0° … 90°"),
     ("imitate --max-step-deg 0", "--max-step-deg: max_step_deg must be between 0.01 and 360"),
     ("imitate --start 1,-2,3", "--start: its posture needs 2 angles, of joints 2, 4, got 3"),
-    ("imitate --start 45,left", "--start: needs degrees separated by commas"),
     ("imitate --transfer magic", "--transfer: no transfer 'magic'; there are epipolar, linear"),
-    ("imitate --servo magic", "--servo: no servo 'magic'; there are gradient"),
     ("imitate --transfer own", "--transfer: no transfer 'own': only a session in Python is given one"),
-    ("imitate --noise-px nan", "--noise-px: noise_px must be between 0 and 20, got nan"),
     ("imitate --seed -1", "--seed: seed must be between 0 and 4294967295, got -1"),
-    ("imitate --colour red", "unrecognized arguments: --colour red"),
-    ("landscape --step-deg nan", "--step-deg: must be between 0.1 and 45, got nan"),
     ("landscape --joints 1,2,3", "--scene, --joints: a landscape needs two moving joints, this scene has 3"),
     ("landscape --out a.gif", "--out: a.gif: unknown extension '.gif'; there are .npz, .csv, .svg, .png, .pdf"),
     ("imitate --out a.xlsx", "--out: a.xlsx: unknown extension '.xlsx'; there are .csv, .npz"),
     ("imitate --out nowhere/a.npz", "--out: .*nowhere/a.npz: No such file or directory"),
     ("reproduce fig3", "figures: no figure 'fig3'; there are fig7, fig9, fig10 and all"),
     ("reproduce fig10 --motion dance", "--motion: no motion 'dance'; there are sinusoid, circle, or the path"),
-    ("reproduce fig10 --motion lost.json", "--motion: lost.json: No such file"),
     ("reproduce fig10 --motion wrong.json", "--motion: wrong.json: not a recorded motion: .*name"),
     ("reproduce fig10 --out broken.toml", "--out: .*broken.toml: File exists"),
-    ("serve --port 99999", "--port: must be between 0 and 65535, got 99999"),
     ("--scene moon", "viewimit serve: --scene: no scene 'moon'"),
-    ("imitat", "invalid choice: 'imitat'"),
 ]
 
 

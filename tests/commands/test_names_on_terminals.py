@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from viewimit.commands.cli import main
-from viewimit.sensing.files import MAX_NAME_CHARS, escape, parse_toml
+from viewimit.sensing.files import parse_toml
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -59,7 +59,3 @@ def test_of_tracked_points(tmp_path, capsys):
     main(["evaluate", str(path), "--json"])
     told = capsys.readouterr().out
     assert harmless(told) and f"2{OBEYED[2]}" in json.loads(told)["points"]
-
-
-def test_long_ones_are_cut_in_their_middle():
-    assert escape("a" * 50 + "b" * 50, MAX_NAME_CHARS) == "a" * 40 + " … " + "b" * 40

@@ -5,7 +5,7 @@ import io
 
 import msgspec
 import pytest
-from viewimit.app.classroom.pages import ENTRY as CLASS
+from viewimit.app.classroom.server import ENTRY as CLASS
 from viewimit.app.lab.lessons.format import Lesson
 from viewimit.app.lab.lessons.page import ENTRY as LESSONS
 from viewimit.app.lab.lessons.page import lesson_page

@@ -59,7 +59,12 @@ def arrays(folder, **more):
     paths = {}
     for v, view in enumerate(VIEWS):
         paths[view] = folder / f"{VIEW_NAMES[view]}.npz"
-        np.savez(paths[view], pred_tracks=IMAGE[v], names=NAMES, **{name: of(HIDDEN[v]) for name, of in more.items()})
+        np.savez(
+            paths[view],
+            pred_tracks=IMAGE[v],
+            names=np.array(NAMES, "SU"[v % 2]),
+            **{name: of(HIDDEN[v]) for name, of in more.items()},
+        )
     return read_files(paths)
 
 

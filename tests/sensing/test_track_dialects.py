@@ -66,6 +66,9 @@ def test_data_in_other_files_is_not_read(tmp_path, kind):
         read_view(path)
 
 
+HEADING = "frame,view,point,x,y"
+
+
 @pytest.mark.parametrize("widest, says", [(99, "percent"), (250, "TAPIR"), (620, None), (-30, "percent")])
 def test_coordinates_that_may_be_no_pixels_are_named(tmp_path, widest, says):
     rows = [
@@ -73,9 +76,12 @@ def test_coordinates_that_may_be_no_pixels_are_named(tmp_path, widest, says):
         for view in VIEWS
         for k in range(6)
     ]
-    tracked = read_tidy(table(tmp_path, "frame,view,point,x,y", *rows))
+    tracked = read_tidy(table(tmp_path, HEADING, *rows))
     doubt = tracked.doubtful_units()
     assert doubt is None if says is None else says in doubt
+    assert tracked.doubtful_place() is None
+    lost = [f"{cells.rsplit(',', 2)[0]},639,479" if int(cells.split(",")[2]) > 2 else cells for cells in rows]
+    assert "12 points of several names are at (639, 479)" in read_tidy(table(tmp_path, HEADING, *lost)).doubtful_place()
 
 
 @pytest.mark.parametrize(

@@ -264,10 +264,6 @@ def test_plain_tables_under_other_headings_separators_and_decimals(tmp_path, hea
             "# 3D point list with one line of data per point:\n0 a 1 2\n",
             "COLMAP's points3D.txt holds no points of images",
         ),
-        (
-            "# Camera list with one line of data per camera:\n0 a 1 2\n",
-            "COLMAP's cameras.txt holds no points of images",
-        ),
         ("frame point x y\n0 a 1 2\n", "no column point, x, y: separate columns by , or ; or tabs, not spaces"),
         ("", "the file is empty"),
     ],
@@ -308,10 +304,6 @@ def test_views_of_different_packages_go_together_by_name(tmp_path, ask, ask_json
     [
         ("t_full.pickle", ".pickle files are not read: DeepLabCut's results are in the .h5 and .csv beside it"),
         ("t.mat", "save it as CSV, frame,point,x,y,confidence"),
-        ("t.xlsx", "save the sheet as CSV"),
-        ("t.pt", "numpy.savez"),
-        ("t.mp4", "viewimit detect"),
-        ("t.bin", "colmap model_converter"),
         ("t.c3d", "those are .csv, .tsv, .txt, .h5, .hdf5, .slp, .npz, .npy"),
     ],
 )

@@ -153,9 +153,7 @@ def test_too_few_points_are_no_success(ask, tidy):
     [
         (1, 3, "ux", "line 1: no column x"),
         (1, 5, "x", "line 1: two columns are named x: keep one of them"),
-        (5, 3, "abc", "line 5, column x: 'abc' is not a finite number"),
         (5, 4, "inf", "line 5, column y: 'inf'"),
-        (5, 5, "high", "line 5, column confidence: 'high'"),
         (5, 0, "-1", "line 5, column frame: '-1' is not a whole number"),
         (5, 0, "9" * 20, "line 5, column frame: '99999999999999999999' is not a whole number"),
         (5, 1, "M", "line 5, column view: 'M' is none of demo_left, demo_right, own_left, own_right"),
@@ -195,7 +193,7 @@ def test_full_names_of_views_and_those_of_the_paper_are_read_alike(tmp_path, tid
     full = tmp_path / "full.csv"
     full.write_text(re.sub("(?m)^0,([lrLR]),", lambda found: f"0,{VIEW_NAMES[found[1]]},", tidy.read_text()))
     mixed = tmp_path / "mixed.csv"
-    mixed.write_text(re.sub("(?m)^0,([rL]),", lambda found: f"0, {VIEW_NAMES[found[1]]} ,", tidy.read_text()))
+    mixed.write_text(re.sub("(?m)^0,([rL]),", lambda found: f"0, {VIEW_NAMES[found[1]].title()} ,", tidy.read_text()))
     by_name = {VIEW_NAMES[view]: path for view, path in deeplabcut.items()}
     for found in (read_tidy(full), read_tidy(mixed), read_files(by_name), read_files(deeplabcut)):
         np.testing.assert_array_equal(found.views().demo[0], views.demo)

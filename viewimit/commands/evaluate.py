@@ -141,6 +141,7 @@ def _told_of(args: argparse.Namespace, tracked: TrackedPoints, removed: dict[str
         yield f"{lost} point{'s' if lost > 1 else ''} {at}: counted as lost by the tracker"
     yield from tracked.notes
     yield from tracked.unmatched_names(tuple(BODIES.values()) if args.unmatched else (VIEWS,))
+    yield tracked.doubtful_place()
     yield tracked.doubtful_units()
     yield tracked.doubtful_frames()
     if removed:

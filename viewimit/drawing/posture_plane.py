@@ -245,7 +245,8 @@ class PathLabels:
         line.take_points(now, NOW)
         labels = dict(enumerate(self._labels, 1))
         if cursor > 0 and np.abs(now - begun).max() > MIN_DISTANCE:
-            labels = {0: beside(*begun.tolist(), "start", "vi-2nd vi-halo", 8)} | labels
+            x, y = begun.tolist()
+            labels = {0: beside(x, y, "start", "vi-2nd vi-halo", 8)} | labels
         uncovered = {
             k: one
             for k, one in self._placed.items()

@@ -200,9 +200,10 @@ class FourViews:
 
 
 def view_of(name: str) -> str:
-    """Return the paper's name of a view: l for demo_left, and for l. Raises ValueError for any other name."""
+    """Return the paper's name of a view: l for demo_left, Demo-Left and l. Raises ValueError for any other name."""
+    plain = name.lower().replace(" ", "_").replace("-", "_")
     for view, full in VIEW_NAMES.items():
-        if name in (view, full):
+        if name == view or plain == full:
             return view
     raise ValueError(f"{name!r} is none of {', '.join(VIEW_NAMES.values())}")
 

@@ -6,7 +6,6 @@ they are computed from. Those of other lessons are computed when a page is writt
 
 import hashlib
 import json
-import math
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
@@ -194,12 +193,4 @@ def _away(scene: Scene, times: float) -> list[dict[str, Any]]:
 
 def _plain(made: Any) -> Any:
     """Plain data with null instead of numbers that are not finite, which JSON does not have."""
-    if isinstance(made, np.ndarray | np.generic):
-        made = made.tolist()
-    if isinstance(made, float):
-        return made if math.isfinite(made) else None
-    if isinstance(made, dict):
-        return {str(key): _plain(value) for key, value in made.items()}
-    if isinstance(made, list | tuple):
-        return [_plain(value) for value in made]
-    return made
+    return msgspec.json.decode(msgspec.json.encode(made, enc_hook=lambda array: array.tolist()))

@@ -23,7 +23,6 @@ from ...simulation.world import World
 from .draws import surface_points
 
 SINGLE_CALLS = 200  # timed together, well above the clock's resolution
-BATCH = 8  # postures that a servo evaluates together
 ROUNDS, SLOW_ROUNDS = 15, 5
 MANY_POINTS = 100  # as a tracker of textures gives
 MOTIONS = 300  # of each servo
@@ -37,10 +36,8 @@ class Times:
     points: int
     postures: int
     landscape_s: dict[str, float]
-    condition_s: float  # epipolar with its condition number
     many_s: dict[str, float]  # with MANY_POINTS points on the robot's surface
     posture_s: dict[str, float]  # fit, transfer, residual and E of given images
-    postures_s: dict[str, float]  # of BATCH postures together
     motion_s: dict[str, dict[str, float]]  # by servo: one whole `Session.step`
 
 
@@ -51,7 +48,7 @@ def run(scene: str, points: int, seed: int = 0, progress: Callable[[float], None
     body, _ = surface_points(world.scene.robot, links, MANY_POINTS, np.random.default_rng(seed))
     many, axes = World(world.scene, body=body), grid_axes(world)
     demo = scene_demonstrator(world)
-    own, _ = world.own_images(tuple(axis[:: len(axis) // BATCH][:BATCH] for axis in axes))
+    own, _ = world.own_images(tuple(axis[0] for axis in axes))
 
     def by_transfer(share: float, seconds: Callable[[str], float]) -> dict[str, float]:
         found = {name: seconds(name) for name in TRANSFERS}
@@ -63,10 +60,8 @@ def run(scene: str, points: int, seed: int = 0, progress: Callable[[float], None
         points=points,
         postures=axes[0].size * axes[1].size,
         landscape_s=by_transfer(0.2, lambda name: median_s(lambda: over_range(world, name))),
-        condition_s=median_s(lambda: over_range(world, "epipolar", with_condition=True)),
         many_s=by_transfer(0.4, lambda name: median_s(lambda: over_range(many, name), SLOW_ROUNDS)),
-        posture_s=by_transfer(0.5, lambda name: call_s(lambda: E_of_images(name, demo, own[0]))),
-        postures_s=by_transfer(0.6, lambda name: call_s(lambda: E_of_images(name, demo, own))),
+        posture_s=by_transfer(0.5, lambda name: call_s(lambda: E_of_images(name, demo, own))),
         motion_s={name: {servo: _motion_s(scene, points, name, servo) for servo in SERVOS} for name in TRANSFERS},
     )
 
@@ -84,7 +79,7 @@ def over_range(world: World, transfer: str, with_condition: bool = False) -> Lan
 
 
 def E_of_images(transfer: str, demo: NDArray[np.float64], own: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Compute E [px²] of images (N, 4) px of the demonstrator and (..., N, 4) px of the learner."""
+    """Compute E [px²] of images (N, 4) px of the demonstrator and (N, 4) px of the learner."""
     views = FourViews(demo, own, np.ones(1, bool))
     return conflict(TRANSFERS[transfer](views).residual(views))
 
@@ -130,12 +125,10 @@ def speed_table(found: Times) -> str:
             f"E over {found.postures} postures of {found.scene}, {found.points} points",
             "with kinematics and projection (CPU time on one thread, medians)",
             *(row(name, s, range_s) for name, s in found.landscape_s.items()),
-            row("epipolar with cond(A)", found.condition_s, range_s),
             "the same postures, points on the robot's surface, beside the same transfer above",
             *(row(f"{name}, {MANY_POINTS} points", s, found.landscape_s[name]) for name, s in found.many_s.items()),
             "one posture: fit, recovery, residual and E of given images, without kinematics and projection",
             *(row(name, s, posture_s) for name, s in found.posture_s.items()),
-            *(row(f"{name}, {BATCH} postures together", s, posture_s) for name, s in found.postures_s.items()),
             f"one motion: a whole step with kinematics and projection, median of {MOTIONS} from the start",
             *(
                 row(f"{name}, {servo}", seconds, found.motion_s["epipolar"]["broyden"])

@@ -65,7 +65,7 @@ def read_arrays(path: Path) -> Track:
     for name in units:
         require_pixel_unit(f"{path}: {name}", str(found[name].ravel()[0]) if found[name].size else "")
     unread = [name for name in found if name not in (key, *NAMES, *about, numbers, *units)]
-    points = tuple(map(str, range(N) if names is None else names.tolist()))
+    points = tuple(map(as_text, range(N) if names is None else names.tolist()))
     order = np.argsort(frames, kind="stable")
     track = Track(frames[order], points, tracks[order].astype(float), np.zeros((T, N)))
     track = replace(track, unread=name_unread("array", unread))

@@ -21,6 +21,7 @@ MAX_PX = 1e6  # of a coordinate: no picture is larger
 MAX_CELLS = 5_000_000  # frames times points
 PERCENT, OWN_GRID = 100, 256  # px: a picture that is no larger is rare
 MIN_SPAN = 4.0  # units that a body in pixels spans at least; shares span 1, focal lengths 2 or 3
+MIN_SAME, MIN_SHARE = (5, 3), 0.01  # points in one place, their names; of all points: no chance
 MOST = (10, 90)  # percentiles: a few strays do not tell the unit
 CERTAIN = 1.0  # confidence where a file gives none
 MAX_CONFIDENCE = 1.5  # some trackers' peaks are a little above 1
@@ -121,6 +122,22 @@ class TrackedPoints:
             grid = f"in 0 … {OWN_GRID}: if this is the grid of a tracker such as TAPIR"
             return f"nearly all x and y are {grid}, scale them to the picture's size"
         return None
+
+    def doubtful_place(self) -> str | None:
+        """Return a place at which many points of several names are exactly, which may mark lost ones; None without."""
+        present = [self._present(view) for view in VIEWS]
+        shown = np.concatenate([self.image[view][seen] for view, seen in zip(VIEWS, present)])
+        point = np.concatenate([np.nonzero(seen)[1] for seen in present])
+        places, at, count = np.unique(shown @ [1, 1j], return_inverse=True, return_counts=True)
+        most = int(count.argmax()) if len(count) else 0
+        if not len(count) or count[most] < max(MIN_SAME[0], MIN_SHARE * len(shown)):
+            return None
+        if len(np.unique(point[at == most])) < MIN_SAME[1]:
+            return None
+        where = f"({places[most].real:g}, {places[most].imag:g})"
+        return (
+            f"{count[most]} points of several names are at {where}: if this marks lost points, leave their cells empty"
+        )
 
     def require_pixels(self, where: str) -> "TrackedPoints":
         """Return the tracks. Raises ValueError for a view in which the body spans too few units to be in pixels."""

@@ -35,6 +35,7 @@ DOES = {
     Purpose.FOLLOW: "It follows the demonstrator, whose place it knows.",
     Purpose.NEAREST: "It goes to the smallest E, because the pictures leave a joint open.",
 }
+MOST_ODDS = 1_000_000  # that are told: beyond, the number says no more
 HYPOTHESES = {
     MisfitKind.ANOTHER_BODY: "another body",
     MisfitKind.LINK_POINTS: "points of one link elsewhere",
@@ -73,8 +74,11 @@ def _says(state: EstimatorState) -> str:
         return "They do not determine a body yet."
     if state.best is None:
         return ""
-    if state.best.explanation is not None:
-        return f"Likeliest hypothesis: {HYPOTHESES[state.best.explanation.misfit.kind]}."
+    if (why := state.best.explanation) is not None:
+        name, odds = HYPOTHESES[why.misfit.kind], np.exp(min(why.margin / 2, np.log(MOST_ODDS)))
+        over = "over " if odds > 0.999 * MOST_ODDS else ""
+        against = f", {over}{odds:,.0f} times as likely as the next one" if odds > 1 else ""
+        return f"Likeliest hypothesis: {name}{against}."
     return (
         "Likeliest hypothesis: the same body, with swapped points."
         if state.exchanged

@@ -71,7 +71,8 @@ class Estimator:
         state, is_new = state.recorded(see, self.options)
         if not is_new and given.status.is_at_rest:
             return given, np.zeros_like(see.displacement)
-        see = replace(see, noise_px=see.noise_px * repetition(state.seen), demo_noise_px=see.demonstrator[1])
+        raised = repetition(state.seen) if see.noise_px > 0 else 1.0
+        see = replace(see, noise_px=see.noise_px * raised, demo_noise_px=see.demonstrator[1])
         if state.joints_to_probe:
             joint, *left = state.joints_to_probe
             state = replace(state, joints_to_probe=tuple(left), probe=True, purpose=Purpose.PROBE)

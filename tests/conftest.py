@@ -8,6 +8,7 @@ import json
 import os
 import sys
 import threading
+from pathlib import Path
 
 if sys.dont_write_bytecode:  # as in many containers, where each process would compile Hypothesis and the tests anew
     sys.dont_write_bytecode = False
@@ -85,6 +86,16 @@ def browser(chromium_path):
         launched = playwright.chromium.launch(executable_path=chromium_path, args=chromium.FLAGS)
         yield launched
         launched.close()
+
+
+@pytest.fixture(scope="session")
+def violations():
+    """What axe-core finds wrong on a page, a line for each element."""
+    axe = pytest.importorskip("axe_playwright_python")
+    script = Path(axe.__file__).with_name("axe.min.js").read_text("utf-8")
+    found = """async () => (await axe.run({resultTypes: ["violations"]})).violations.flatMap(({id, nodes}) =>
+        nodes.map(node => `${id}: ${node.html.slice(0, 120)}: ${node.failureSummary}`))"""
+    return lambda page: (page.evaluate(f"{script};0"), page.evaluate(found))[1]
 
 
 @pytest.fixture(scope="session")

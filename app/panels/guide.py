@@ -159,7 +159,7 @@ def draw_head(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
     first = next(iter(lessons), None)
     ways = Ways(play, first and f"lab/{first}{way_back(model)}", workbench="./")
     return (
-        f'<div class="vi-title"><b>viewimit</b><nav aria-label="Page">{shown}</nav></div>'
+        f'<div class="vi-title"><b role="heading" aria-level="1">viewimit</b><nav aria-label="Page">{shown}</nav></div>'
         f'<div class="vi-purpose">{header(ways, "workbench", with_about=False)}<p>{PURPOSE}</p></div>'
     )
 

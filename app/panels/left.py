@@ -58,7 +58,7 @@ def copy(layout: Layout, model: PageModel) -> None:
     """The buttons that move the learner."""
     gui = layout.gui
     with layout.named["tray"]:
-        gui.add_html('<h3 class="vi-part"><b>2</b> Let the learner copy it</h3>')
+        gui.add_html('<h2 class="vi-part"><b>2</b> Let the learner copy it</h2>')
         gui.add_html('<span class="vi-play-row"></span>')
         layout.button(_play_look, "play")
     gui.add_html('<span class="vi-steps-row"></span>')
@@ -111,7 +111,7 @@ def demonstrator(layout: Layout, model: PageModel) -> None:
     """First of what stays in sight on every window: in a folder without a frame, which `copy` goes on with."""
     layout.named["tray"] = layout.gui.add_folder("Pose and play")
     with layout.named["tray"]:
-        layout.gui.add_html('<h3 class="vi-part vi-tray"><b>1</b> Pose the demonstrator</h3>')
+        layout.gui.add_html('<h2 class="vi-part vi-tray"><b>1</b> Pose the demonstrator</h2>')
         inside = layout.gui.add_folder(None)
         layout.gui.add_html('<div class="vi-or">… or drag the arrows at its hand</div>')
     sliders = JointSliders(layout, inside, "{joint}", "pose_joint")
@@ -126,8 +126,8 @@ def demonstrator(layout: Layout, model: PageModel) -> None:
 def learner(layout: Layout, model: PageModel) -> None:
     """Bars beside the demonstrator's."""
     layout.gui.add_html(
-        '<h3 class="vi-part">Learner <span>(<i class="vi-is-now"></i> now, '
-        '<i class="vi-is-goal vi-tells"></i><span class="vi-tells"> goal</span>)</span></h3>'
+        '<h2 class="vi-part">Learner <span>(<i class="vi-is-now"></i> now, '
+        '<i class="vi-is-goal vi-tells"></i><span class="vi-tells"> goal</span>)</span></h2>'
     )
     bars = layout.gui.add_html("")
 

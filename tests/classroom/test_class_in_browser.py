@@ -335,3 +335,15 @@ def test_it_works_in_a_frame_of_an_allowed_site(browser, is_allowed):
         page.close()
     course.shutdown()
     course.server_close()
+
+
+def test_axe_finds_nothing_in_a_class(browser, server, lecturer, violations):
+    phone = Tab(browser, server, **PHONE)
+    lecturer.press("Ask the class")
+    phone.choose(1)
+    assert violations(phone.page) == []
+    lecturer.press("Reveal")
+    lecturer.press("Large")
+    phone.sees("Now you can say")
+    assert violations(phone.page) == violations(lecturer.page) == []
+    phone.close()

@@ -422,3 +422,12 @@ def test_where_3d_is_slow_a_drawing_stands_in_for_it_until_somebody_wants_it(ope
     page.locator("#in-3d").click()
     page.locator("#space").wait_for()
     assert page.locator("#still, #slow").locator("visible=true").count() == 0
+
+
+@pytest.mark.parametrize("address", ("", "#challenge=2026-11-28"))
+def test_axe_finds_nothing(opened, violations, address):
+    page = opened(
+        address, width=390, height=844, ready=not address, has_touch=True, is_mobile=True, color_scheme="dark"
+    )
+    page.wait_for_selector(".steered .go" if address else "#outcome:not(:empty)")
+    assert violations(page) == []

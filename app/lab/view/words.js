@@ -55,8 +55,8 @@ export function truth(theta, thetaDemo, joints, E) {
     const rest = E >= .005 ? " What is left of E comes from perspective and noise." : "";
     return `Hidden from the learner: it has exactly the demonstrator’s pose.${rest}`;
   }
-  const [first, ...others] = off.map((v, k) => `its ${joints[k].toLowerCase()} is ${fixed(v)}°`);
-  return `Hidden from the learner: ${[`${first} off`, ...others].join(", ")}.`;
+  const each = off.map((v, k) => `its ${joints[k].toLowerCase()}${k ? "" : " is"} ${fixed(v)}°`);
+  return `Hidden from the learner: ${each.join(" and ")} off.`;
 }
 
 /** @param {number} count */

@@ -11,6 +11,7 @@ import argparse
 from dataclasses import dataclass
 from itertools import product
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
@@ -176,8 +177,8 @@ def main() -> None:
     errors = []
     for number in range(args.runs):
         demonstrator, start = (tuple(rng.uniform(low, high)) for _ in range(2))
-        poses = {"demonstrator_deg": demonstrator, "start_deg": start, "seed": number}
-        session = Session(Settings(noise_px=NOISE_PX, frames=FRAMES, **poses))
+        noisy = Settings(noise_px=NOISE_PX, frames=FRAMES, seed=number)
+        session = Session(msgspec.structs.replace(noisy, demonstrator_deg=demonstrator, start_deg=start))
         session.run()
         now, history = session.snapshot, list(session.history)
         noise_px = NOISE_PX / np.sqrt(FRAMES)

@@ -125,7 +125,7 @@ class TrackedPoints:
 
     def doubtful_place(self) -> str | None:
         """Return a place at which many points of several names are exactly, which may mark lost ones; None without."""
-        present = [self._present(view) for view in VIEWS]
+        present = [self._present(view) & ~self._coincide(view)[:, None] for view in VIEWS]
         shown = np.concatenate([self.image[view][seen] for view, seen in zip(VIEWS, present)])
         point = np.concatenate([np.nonzero(seen)[1] for seen in present])
         places, at, count = np.unique(shown @ [1, 1j], return_inverse=True, return_counts=True)
@@ -188,6 +188,12 @@ class TrackedPoints:
             f"frames are 0 to {end - 1} in {zero}, but 1 to {end} in {one}: "
             "if the first of each shows the same moment, count them alike"
         )
+
+    def _coincide(self, view: str) -> NDArray[np.bool_]:
+        """Return in which frames all points of a view are in one place, (T,): such a frame is refused for that."""
+        shown = np.where(self._present(view)[..., None], self.image[view], np.nan)
+        with np.errstate(invalid="ignore"):
+            return np.asarray((np.fmax.reduce(shown, 1) == np.fmin.reduce(shown, 1)).all(-1))
 
     def _present(self, view: str) -> NDArray[np.bool_]:
         return np.asarray(np.isfinite(self.image[view]).all(-1) & ~is_missing_value(self.image[view]))

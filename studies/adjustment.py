@@ -149,7 +149,7 @@ def solve(displacement: Floats, own: Floats, demo: Floats, noise: tuple[float, f
     _, problem, body = min(found, key=lambda one: one[0])
     cameras, screws, points, _ = problem.split(body)
     target, starts = triangulate(cameras, demo), []
-    for angles in map(np.array, product(*(np.linspace(*each, GRID) for each in limits))):
+    for angles in map(np.array, product(*(np.linspace(low, high, GRID) for low, high in limits))):
         posed = problem.posed(screws, points, angles)
         R, scale, t = similarity(posed, target)
         pose = np.concatenate([Rotation.from_matrix(R).as_rotvec(), t, [np.log(scale)], angles])

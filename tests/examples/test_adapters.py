@@ -47,6 +47,7 @@ def test_a_lerobot_data_set_is_read_back_as_it_was_written(tmp_path):
         assert frame["task"] == "imitate the demonstrator's posture"
 
 
+@pytest.mark.slow
 def test_the_ros_2_node_imitates_over_topics(monkeypatch):
     """With a stand-in of rclpy, whose messages have the fields of the real definitions."""
     pytest.importorskip("rosbags")
@@ -81,6 +82,16 @@ def test_the_ros_2_node_imitates_over_topics(monkeypatch):
     module.main()
     assert np.abs(np.degrees(robot.theta) - (25, -40, 70)).max() < 1.5 and len(commands) > 4
 
+
+def test_the_ros_2_node_waits_for_pictures_it_can_read(monkeypatch):
+    pytest.importorskip("rosbags")
+    pytest.importorskip("cv2")
+    import stand_in_rclpy
+
+    wire = stand_in_rclpy.installed(monkeypatch)
+    module = import_module("ros2_node")
+    wire.parameters = {"joints": ["a"], "lower_deg": [-60.0], "upper_deg": [60.0], "start_deg": [0.0], "noise_px": 0.05}
+    wire.parameters["max_step_deg"] = 30.0
     monkeypatch.setattr(module, "TIMEOUT_S", 0.0)
     wire.on_spin = lambda: None
     with pytest.raises(TimeoutError, match="a picture of each camera"):

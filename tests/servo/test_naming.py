@@ -101,9 +101,10 @@ class OtherBody(ProjectedEyes):
         return np.concatenate(list(images), 1), visible.T
 
 
-def test_points_of_another_body_are_not_named():
+@pytest.mark.parametrize("points", [10, pytest.param(16, marks=pytest.mark.slow)])
+def test_points_of_another_body_are_not_named(points):
     session = Session(
-        Settings(points=16, matched=False), open_eyes=lambda sensor, scene, count: OtherBody(scene, count)
+        Settings(points=points, matched=False), open_eyes=lambda sensor, scene, count: OtherBody(scene, count)
     )
     ended = session.run(80)
     assert ended.status == ServoStatus.NO_PROGRESS and not session.snapshot.naming.accepted

@@ -27,20 +27,7 @@ class Restartable(Protocol):
     """A law that keeps what it has learned for another descent. Other laws begin as at first."""
 
     def restart(self, state: Any, observation: Observation) -> Any:
-        """Return the state before a descent from here.
-
-        Parameters
-        ----------
-        state : any
-            Returned by the last call of `step`.
-        observation : Observation
-            What the learner sees now.
-
-        Returns
-        -------
-        any
-            State that is passed to `step`.
-        """
+        """Return the state before a descent from here. state: returned by the last call of `step`."""
         ...
 
 

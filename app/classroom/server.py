@@ -145,8 +145,8 @@ class ClassServer:
     def _address_of(self, connection: ServerConnection) -> str:
         """Where a browser is: of proxies that are trusted, what they say of it."""
         peer = connection.remote_address
-        told = ",".join(connection.request.headers.get_all("X-Forwarded-For")) if connection.request else ""
-        return client_address(peer[0] if peer else "", told, self._trusted)
+        forwarded = ",".join(connection.request.headers.get_all("X-Forwarded-For")) if connection.request else ""
+        return client_address(peer[0] if peer else "", forwarded, self._trusted)
 
     async def _serve(self, connection: ServerConnection) -> None:
         """One websocket, from its handshake to its end."""
@@ -192,12 +192,12 @@ async def _send_all(connection: ServerConnection, browser: Browser, something: a
                 await connection.send(screen)
 
 
-def client_address(peer: str, told: str, trusted: str) -> str:
+def client_address(peer: str, forwarded: str, trusted: str) -> str:
     """Return a client's address: the peer's, or the last one of X-Forwarded-For that no trusted proxy has.
 
-    told: that header; trusted: addresses or networks of proxies, separated by commas; * for any.
+    forwarded: that header; trusted: addresses or networks of proxies, separated by commas; * for any.
     """
-    proxies, chain = trusted.replace(" ", "").split(","), [*filter(None, told.replace(" ", "").split(",")), peer]
+    proxies, chain = trusted.replace(" ", "").split(","), [*filter(None, forwarded.replace(" ", "").split(",")), peer]
     while len(chain) > 1 and ("*" in proxies or _is_in(chain[-1], proxies)):
         chain.pop()
     return chain[-1]

@@ -36,7 +36,7 @@ export const touched = words => isTouched() ? words.replace(/\bClick\b/g, "Tap")
 /** A measure that nothing has filled in is a dash. @param {string} words */
 const unbraced = words => words.replace(/\{[^{}]*\}/g, "–");
 
-/** Words with **bold**, and with names of pictures as the pictures have them, lest l reads as I; a bold term of the
+/** Words with **bold**, and with names of pictures as the pictures have them: a plain l reads as I. A bold term of the
  * glossary explains itself.
  * @param {string} words @param {Record<string, string>} [glossary] */
 export const inline = (words, glossary = {}) => escaped(unbraced(touched(words))).replaceAll("'", "’").replace(

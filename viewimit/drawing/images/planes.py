@@ -169,7 +169,7 @@ def _locator(window: Window, w: float, frame: tuple[int, int]) -> str:
     )
 
 
-EYES = {view: f'<i class="vi-eye">{view}</i>' for view in "lrLR"}  # as on the pictures, lest l reads as I
+EYES = {view: f'<i class="vi-eye">{view}</i>' for view in "lrLR"}  # as on the pictures: a plain l reads as I
 CROSSED = (
     ("l", "This is point {point} in {l}."),
     ("left", "Its epipolar lines in {L} and {R}: the point is somewhere on them."),

@@ -38,7 +38,7 @@ class EstimatorOptions:
     # Hypotheses
     max_sigmas: float = MAX_SIGMAS  # standard deviations; the right hypothesis contradicts by more once in a thousand
     max_limit_sigmas: float = 3.0  # expected errors beyond a joint limit, from which it excludes the posture
-    max_std_per_unit: float = _deg(20.0)  # turned by noise of an image unit, about 1 px: more is unobservable
+    max_std_per_unit: float = _deg(20.0)  # by noise of one image unit, about 1 px: a joint that turns more is open
     grid: int = 9  # postures a joint, of one or two, that the search for the demonstrator's begins with
     samples: int = 64  # postures, of three joints or more
     starts: int = 5  # of these that are refined

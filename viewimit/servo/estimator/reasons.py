@@ -122,7 +122,10 @@ class Reasons:
     seed: int
 
     def best(self) -> tuple[Explanation, Candidate]:
-        """Return the reason with the least criterion; `MisfitKind.NONE` if noise does not explain what it leaves."""
+        """Return the reason with the least criterion; `MisfitKind.NONE` if noise does not explain what it leaves.
+
+        Few steps of each fit show which ones are worth more: the N_FINISHED best are fitted to the end.
+        """
         criterion = attrgetter("criterion")
         found = sorted(self.all(), key=criterion)
         hopeful = [one.finished() for one in found[:N_FINISHED]]

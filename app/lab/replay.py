@@ -96,7 +96,6 @@ CELL_HEIGHT = 700  # px, in a notebook
 SCENE = "replay"  # the name of its scene, and of what the lab begins with
 TAKEN_OVER = "The run of this replay, gone on with in the lab."
 PLACES = "title", "nav", "said", "panel", "steps", "how", "map", "end"  # of lab.html that only replays fill
-NO_PARTS: Mapping[str, str] = MappingProxyType({})
 PARTS = tuple(f"replay_{place}" for place in PLACES)
 OF_LAB = "ways", "about"  # places of lab.html that replays leave empty
 ASKED = "own_views", "demo_views", "E", "largest_e", "condition", "points_seen", "transfer", "servo"

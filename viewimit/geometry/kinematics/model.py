@@ -4,7 +4,7 @@ Images [x_L y_L x_R y_R] of parallel or rectified cameras lie in a hyperplane of
 are, with a 1, homogeneous coordinates of the point in space, up to a projective map (`StereoFrame`).
 
 A stereo head that stands still sees a joint's motion as a motion of projective space, conjugate to a screw (Ruf and
-Horaud 1999). With G_j = A⁻¹ Ξ_j A, the twist Ξ_j of joint j in the frame A, the point X is seen at
+Horaud 1999). With G_j = A⁻¹ S_j A, the twist S_j of joint j in the frame A, the point X is seen at
 
     y(θ) = π(C exp(θ_1 G_1) ... exp(θ_m G_m) X)
 

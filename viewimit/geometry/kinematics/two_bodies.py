@@ -1,15 +1,15 @@
 """One adjustment of the images of two bodies of the same build: the own visits, and the demonstrator's images.
 
 One stereo head sees both bodies, so both share the frame A that turns projective coordinates into metric ones
-(`model`). In metric coordinates the demonstrator is the own body in another posture, moved by a similarity S: seven
+(`model`). In metric coordinates the demonstrator is the own body in another posture, moved by a similarity T: seven
 unknowns, where a map between images has fifteen. With the generators G_j of the joints its points are seen at
 
-    y(θ) = π(C A⁻¹ S A · exp(θ_1 G_1) ... exp(θ_m G_m) X).
+    y(θ) = π(C A⁻¹ T A · exp(θ_1 G_1) ... exp(θ_m G_m) X).
 
-The gauge: A is upper triangular with two unit elements, which leaves no similarity free. S has no such freedom either,
+The gauge: A is upper triangular with two unit elements, which leaves no similarity free. T has no such freedom either,
 as its scale is the demonstrator's size.
 
-Unknown are A (8), twists (6 a joint), points (3 each), S (7) and the demonstrator's angles, m for each of its postures.
+Unknown are A (8), twists (6 a joint), points (3 each), T (7) and the demonstrator's angles, m for each of its postures.
 All images have independent noise of one standard deviation, so the cost over its square is χ² with as many degrees of
 freedom as there are coordinates more than unknowns. The own images determine the body; the demonstrator's, in
 T postures, add 3 N T - 7 - m T degrees of freedom.
@@ -43,7 +43,7 @@ FTOL = 1e-5  # share of the cost: what angles still gain is far below their stan
 
 @dataclass(frozen=True)
 class Difference:
-    """What the demonstrator differs in from the own body and head: unknowns besides S and its angles.
+    """What the demonstrator differs in from the own body and head: unknowns besides T and its angles.
 
     A joint whose attachment is shifted changes the link before it, in length and direction. Points that sit elsewhere
     are free. Another head has another frame.
@@ -65,10 +65,10 @@ SAME = Difference()
 class BodyPair:
     """A body and a demonstrator of the same build, seen by the same head. Several at once as `ProjectiveKinematics`."""
 
-    parameters: Array  # (..., P): of the kinematics; then S, the demonstrator's angles, and what else it differs in
+    parameters: Array  # (..., P): of the kinematics; then T, the demonstrator's angles, and what else it differs in
     points: Array  # (..., N, 3): in the stereo frame at the reference, NaN of unknown points
     kinematics: ProjectiveKinematics  # whose parameters and points these replace
-    placement: Array  # (4, 4): the similarity about which S is parametrised; its determinant is negative for a mirror
+    placement: Array  # (4, 4): the similarity about which T is parametrised; its determinant is negative for a mirror
     n_postures: int  # of the demonstrator
     difference: Difference = SAME
 
@@ -167,7 +167,7 @@ class BodyPair:
 
     @property
     def _similarity(self) -> Array:
-        """S, (..., 4, 4)."""
+        """T, (..., 4, 4)."""
         begin = self.kinematics.parameters.shape[-1]
         s = self.parameters[..., begin : begin + N_SIMILARITY]
         change = np.zeros((*s.shape[:-1], 4, 4))

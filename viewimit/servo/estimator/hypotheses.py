@@ -110,7 +110,7 @@ class Evidence:
 
     @property
     def is_nearly_flat(self) -> bool:
-        """Whether the own points, wherever they were, lie near a plane."""
+        """Whether the own images spread in their third direction hardly more than noise: all points near a plane."""
         return bool(self.body.kinematics.frame.unit_px[2] < FLAT * self.noise_px)
 
     def adjustment(self, likely: Likely | None = None) -> CommonAdjustment | None:

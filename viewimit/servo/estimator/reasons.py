@@ -124,7 +124,8 @@ class Reasons:
     def best(self) -> tuple[Explanation, Candidate]:
         """Return the reason with the least criterion; `MisfitKind.NONE` if noise does not explain what it leaves.
 
-        Few steps of each fit show which ones are worth more: the N_FINISHED best are fitted to the end.
+        Few steps of each fit show which ones are worth more: the N_FINISHED best are fitted to the end. The margin is
+        to the next one, as far as that is fitted.
         """
         criterion = attrgetter("criterion")
         found = sorted(self.all(), key=criterion)

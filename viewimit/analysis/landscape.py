@@ -217,8 +217,8 @@ def conflict_at(
     """Compute E at any postures, with the learner's images undisturbed.
 
     world: gives the learner's images; fit: fits a transfer to `FourViews`; demo, demo_visible: (N, 4) px and (N, 2),
-    the demonstrator's images as the learner has them; theta: m arrays of rad, broadcast against each other. Returns (1 or
-    2, ...), E [px²] and, with_condition, the transfer's condition number.
+    the demonstrator's images as the learner has them; theta: m arrays of rad, broadcast against each other. Returns
+    (1 or 2, ...): E [px²] and, with_condition, the transfer's condition number.
     """
     keep_freed_memory()
     own, own_visible = world.own_images(theta)

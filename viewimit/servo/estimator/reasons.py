@@ -3,7 +3,7 @@
 Every reason is a small model on the final adjustment, with a few unknowns more. A lens bends the own images, too. Of k
 unknowns that raise the cost of the own images to C (in variances of the noise), the best model has the least
 C + k ln n, the Bayesian information criterion, n the number of image coordinates. The best is named if noise explains
-what it leaves.
+what it leaves. Else another body is named whose links and points all differ a little, if one spread explains that.
 
 Which reasons cannot be distinguished: within a rigid group of points, a longer link, a fixed joint turned, and points
 moved on it; a home offset of a joint and its angle; a body larger as a whole and one farther away.

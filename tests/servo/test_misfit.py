@@ -17,7 +17,7 @@ from viewimit.servo import Misfit, MisfitKind, Observation
 from viewimit.servo.estimator.hypotheses import CLEAR
 from viewimit.servo.estimator.reasons import explain
 from viewimit.servo.estimator.swaps import swapped, transpositions, with_swaps
-from viewimit.simulation.eyes import ProjectedEyes
+from viewimit.simulation.eyes import SimulatedEyes
 
 sys.path.append(str(Path(__file__).parent.parent / "geometry" / "kinematics"))
 from turning_body import TurningBody, seen  # noqa: E402
@@ -177,7 +177,7 @@ def through_a_lens(k1):
             msgspec.structs.replace(eye, distortion=(k1, 0.0)) for eye in (scene.head.left, scene.head.right)
         )
         head = msgspec.structs.replace(scene.head, left=left, right=right)
-        return ProjectedEyes(msgspec.structs.replace(scene, head=head), points)
+        return SimulatedEyes(msgspec.structs.replace(scene, head=head), points)
 
     return eyes
 

@@ -52,7 +52,7 @@ def record(session: Session, motions: Sequence[int], chosen: int | None) -> dict
     silhouettes = Silhouettes({}, session.world)
     recorded = []
     for moment in snapshots:
-        views, recovered = moment.views, silhouettes.bodies(moment).recovered
+        views, recovered = moment.views, silhouettes.bodies(moment.theta_demo, moment.theta, moment.transfer).recovered
         seen, own_seen = (_flags(pair) for pair in np.split(views.visible, 2, 1))
         demo = {"theta": _angles(moment.theta_demo), "images": _pixels(views.demo), "seen": seen}
         recorded.append(

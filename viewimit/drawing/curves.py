@@ -28,27 +28,11 @@ def draw_curves(
     width: int = 424,
     errors_deg: Sequence[float] = (),
 ) -> str:
-    """Draw both plots as HTML.
+    """Draw both plots as the panel's HTML.
 
-    Parameters
-    ----------
-    history
-        All snapshots; those after the cursor are drawn faint.
-    cursor
-        Index of the snapshot that is shown.
-    E_true
-        E with the learner in the demonstrator's posture, px², which the learner does not know.
-    joints
-        Numbers of the moving joints, from 1.
-    width
-        Width of the drawing in its own px.
-    errors_deg
-        Largest joint error of each snapshot up to the cursor.
-
-    Returns
-    -------
-    str
-        HTML of the panel.
+    history, cursor: all snapshots, and the index of the shown one, after which they are faint; E_true: with the learner
+    in the demonstrator's posture, px², which it does not know; joints: numbers of the moving ones, from 1; width: of
+    the drawing in its own px; errors_deg: largest joint error of each snapshot up to the cursor.
     """
     box = plot_box(width)
     first, second = _draw_both(history, cursor, E_true, joints, box)

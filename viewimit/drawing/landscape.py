@@ -124,27 +124,11 @@ SMALL_MARGINS = (31, 3, 0, 14)  # px: left, right, top, bottom
 
 
 class LandscapePicture:
-    """A landscape as a drawing. The learner does not know the demonstrator's mark in it.
+    """A landscape as a drawing, `html`. `draw_path` returns what lies over it.
 
-    Parameters
-    ----------
-    landscape
-        E over the postures; None while it is computed, or if `problem` says why there is none.
-    scene
-        Gives the joints and their ranges.
-    snapshot
-        Gives start, demonstrator's posture and kind of camera.
-    problem
-        Words instead of a landscape.
-    std_per_px
-        Standard error of each joint per px of noise, (m,) rad/px, for the note below; None for no note.
-    contours
-        The quantity whose contours are drawn, instead of CONTOURS.
-
-    Attributes
-    ----------
-    html : str
-        The picture; `draw_path` returns what lies over it.
+    The learner does not know the demonstrator's mark in it. landscape: E over the postures; None while it is computed,
+    or if `problem` says why there is none; snapshot: gives start, demonstrator's posture and kind of camera;
+    std_per_px: for the note below; contours: the quantity whose contours are drawn, instead of CONTOURS.
     """
 
     def __init__(

@@ -11,16 +11,7 @@ from numpy.typing import NDArray
 from ..loop.snapshot import Snapshot
 from ..simulation.scene import Scene
 from . import svg
-from .labels import (
-    CHARACTER,
-    Label,
-    Labels,
-    PlacedLabel,
-    Rectangle,
-    beside,
-    places_beside,
-    text_at,
-)
+from .labels import CHARACTER, Label, Labels, PlacedLabel, Rectangle, beside, places_beside, text_at
 from .plots import Axes, angle_ticks
 
 WIDTH = 424
@@ -37,31 +28,10 @@ AHEAD = 4.0  # px around the dot that newly placed labels leave free for the nex
 
 
 class PosturePlane:
-    """A plot over the angles of two joints.
+    """A plot over the angles of a scene's two moving joints; with another number of them it stays empty.
 
-    Parameters
-    ----------
-    scene
-        Gives the moving joints and their ranges; without two of them the plot stays empty.
-    width
-        Of the drawing with its axes, px.
-    max_height
-        Of the plot, px.
-    margins
-        Left, right, top and bottom of the plot, px.
-    range_deg
-        Ranges of the two joints instead of the scene's.
-
-    Attributes
-    ----------
-    has_plane : bool
-        Whether two joints move.
-    scale : float
-        px per degree.
-    box : tuple
-        x, y, width and height of the plot, px.
-    labels : Labels
-        The occupied rectangles.
+    width: of the drawing with its axes, px; max_height: of the plot; margins: left, right, top and bottom of it;
+    range_deg: of the joints, instead of the scene's.
     """
 
     def __init__(
@@ -74,13 +44,14 @@ class PosturePlane:
     ):
         self._width, self._right = width, width - margins[1]
         left, right, self._top, self._bottom = margins
-        self.has_plane = len(scene.moving_joints) == 2
+        self.has_plane = len(scene.moving_joints) == 2  # whether two joints move
         ranges = (range_deg or scene.range_deg) if self.has_plane else PAPER_RANGE_DEG
         self._joints = [svg.joint_symbol(joint) for joint in scene.moving_joints] if self.has_plane else ["", ""]
         self._low, self._high = np.array(ranges, float).T
         span = self._high - self._low
-        self.scale = float(min((width - left - right) / span[1], max_height / span[0]))
+        self.scale = float(min((width - left - right) / span[1], max_height / span[0]))  # px per degree
         w, h = span[1] * self.scale, span[0] * self.scale
+        # x, y, width and height of the plot, px
         self.box = float(left + (width - left - right - w) / 2), self._top, float(w), float(h)
         edges = self.box[0], self._top, self.box[0] + self.box[2], self._top + self.box[3]
         up, across = zip(self._low.tolist(), self._high.tolist())

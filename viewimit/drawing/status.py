@@ -99,20 +99,9 @@ def describe(
 ) -> StatusMessage:
     """Describe a snapshot in the learner's words.
 
-    Parameters
-    ----------
-    snapshot
-        The present one.
-    previous
-        Those before it, the latest last.
-    playing
-        Whether further motions follow.
-    assessment
-        What the learner knows about its posture, if it rests.
-    joints
-        Numbers of the moving joints, from 1.
-    advises
-        Whether to say what a visitor can do next, which is not possible in a replay.
+    previous: those before it, the latest last; playing: whether further motions follow; assessment: what the learner
+    knows about its posture, if it rests; joints: numbers of the moving ones, from 1; advises: whether to say what a
+    visitor can do next, which is not possible in a replay.
     """
     if snapshot.pending_postures is not None and snapshot.is_rehearsing:
         left = len(snapshot.pending_postures)

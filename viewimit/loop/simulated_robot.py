@@ -16,6 +16,7 @@ from ..estimation.views import FourViews
 from ..sensing.frames import MAX_LATENCY_LOOKS, average_frames, estimate_latency, noise_std
 from ..simulation.arms import SimulatedArm, open_arm
 from ..simulation.disturbances import (
+    ArmDisturbance,
     ImageDisturbance,
     MatchDisturbance,
     SightDisturbance,
@@ -170,7 +171,7 @@ class SimulatedRobot:
     def drive(
         self, settings: Settings, theta: NDArray[np.float64], sent: NDArray[np.float64], commanded: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        return self.arm.drive(settings, theta, sent, commanded)
+        return self.arm.drive(settings.amounts(ArmDisturbance), settings.start_rad, theta, sent, commanded)
 
     def revisit(self, settings: Settings, sent: NDArray[np.float64], commanded: NDArray[np.float64]) -> None:
         """Nothing to do: a simulated arm has no posture of its own."""

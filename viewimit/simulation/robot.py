@@ -78,9 +78,7 @@ class BodyFrames:
 
     def points(self, body: BodyPoints) -> BodyPoints:
         """Return the same points, fixed to the chain."""
-        T = self.T_chain_link[body.link]
-        local = np.einsum("nij,nj->ni", T[:, :3, :3], body.local) + T[:, :3, 3]
-        return BodyPoints(self.link[body.link], local)
+        return BodyPoints(self.link[body.link], body.at(self.T_chain_link))
 
 
 @dataclass(frozen=True)
@@ -196,20 +194,9 @@ class Robot:
     def from_urdf(cls, path: str | Path, tip: str | None = None, base: str | None = None) -> "Robot":
         """Read the chain of revolute joints between two links of a URDF.
 
-        Fixed joints are merged, and so are prismatic ones, at rest.
-
-        Parameters
-        ----------
-        path : str or Path
-        tip : str, optional
-            Last link; by default the end of the longest chain, without fingers.
-        base : str, optional
-            First link; by default the root.
-
-        Raises
-        ------
-        ValueError
-            Names the file: XML that does not parse, a missing link, a loop, or a chain without revolute joints.
+        Fixed joints are merged, and so are prismatic ones, at rest. tip: last link; by default the end of the longest
+        chain, without fingers; base: by default the root. Raises ValueError that names the file: XML that does not
+        parse, a missing link, a loop, or a chain without revolute joints.
         """
         return _chain_robot(read_tree(Path(path)), tip, base)
 
@@ -353,7 +340,7 @@ def load_markers(name: str | Path) -> Markers:
         raise ValueError(f"no markers {str(name)!r}; there are {names}, or the path of a .toml file")
     try:
         markers = parse_toml(read_toml(path), Markers)
-    except (msgspec.DecodeError, msgspec.ValidationError, ValueError) as error:
+    except ValueError as error:  # msgspec's too
         raise ValueError(f"{path}: {error}") from None
     if not markers.radius > 0 or not np.isfinite(np.array(markers.balls, float)).all():
         raise ValueError(f"{path}: radius must be positive, and all numbers finite")

@@ -39,7 +39,7 @@ class Appearance:
 
     def of(self, moment: Snapshot) -> tuple[Bodies, Windows]:
         """Return both arms' images at a moment, and the windows."""
-        bodies = self._silhouettes.bodies(moment)
+        bodies = self._silhouettes.bodies(moment.theta_demo, moment.theta, moment.transfer)
         shown = points_in_images(bodies)
         if not self._windows or moment.motion == 0 < self._motion:
             self._fit(shown, bodies)

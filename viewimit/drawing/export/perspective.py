@@ -84,18 +84,9 @@ def draw_space(
 ) -> Figure:
     """Draw both arms at a moment.
 
-    Parameters
-    ----------
-    world, moment
-        What stands where.
-    viewpoint
-        From where; None for the page's own.
-    rays
-        Whether to draw lines from image points to body points.
-    outlines
-        Whether the arms' links are drawn as convex outlines instead of face by face, in a twentieth of the size.
-    truth
-        Whether to draw where the transferred points would be in space, and their residuals.
+    viewpoint: None for the page's own; rays: whether to draw lines from image points to body points; outlines: whether
+    the arms' links are convex outlines instead of single faces, in a twentieth of the size; truth: whether to draw
+    where the transferred points would be in space, and their residuals.
     """
     viewpoint = default_viewpoint(world, moment) if viewpoint is None else viewpoint
     bases = scene_geometry.bases_of(world)

@@ -55,34 +55,13 @@ def draw_images(
 ) -> str:
     """Draw the panel as HTML: the four images, the legend and the metrics, which the page's stylesheet arranges.
 
-    Parameters
-    ----------
-    snapshot
-        What the learner sees, and what the transfer makes of it.
-    bodies
-        Both arms in the images.
-    windows
-        Which part of each image is shown.
-    chosen
-        A body point with a ring and its construction; None for no point.
-    whole_frames
-        Whether the whole images are shown.
-    pictures
-        JPEGs of the whole frames by view, drawn behind everything.
-    standing
-        Both arms where they are, if `bodies` previews another posture.
-    construction
-        How the chosen point is recovered.
-    stage
-        The last stage of the construction to draw; None for all of it.
-    gain
-        Factor by which the residuals are drawn longer; None chooses one.
-    goal
-        Whether L and R show the learner as it would look in the demonstrator's posture.
-    course
-        E after each motion so far, px²; empty for no small curve of it.
-    print_size
-        Whether legend and metrics are drawings of a fixed width instead of text that wraps.
+    windows: which part of each image is shown; chosen: a body point with a ring and its construction; whole_frames:
+    whether the whole images are shown; pictures: JPEGs of the whole frames by view, drawn behind everything; standing:
+    both arms where they are, if `bodies` previews another posture; construction: how the chosen point is recovered;
+    stage: its last one to draw, None for all; gain: factor by which the residuals are drawn longer, None to choose one;
+    goal: whether L and R show the learner as it would look in the demonstrator's posture; course: E after each motion
+    so far, px², for a small curve; print_size: whether legend and metrics are drawings of a fixed width instead of text
+    that wraps.
     """
     shown = windows[whole_frames]
     lengths = residual_lengths(snapshot)

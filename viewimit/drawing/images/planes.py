@@ -229,18 +229,9 @@ def draw_construction(
 ) -> dict[str, str]:
     """Draw the construction by view.
 
-    Parameters
-    ----------
-    construction
-        Of the chosen point.
-    windows
-        The shown part of each image.
-    stage
-        The last stage to draw; None for all. Stages repeat the recovered point and its arrow, as other marks are faint.
-    own
-        The learner's own point in L and R, (2, 2) px.
-    gain
-        How many times longer than the residual its arrow is.
+    stage: the last one to draw; None for all. Stages repeat the recovered point and its arrow, as other marks are
+    faint; own: the learner's own point in L and R, (2, 2) px; gain: how many times longer than the residual its arrow
+    is.
     """
     crossed, drawn = construction.steps is None, dict.fromkeys("lrLR", "")
     if construction.steps is not None:

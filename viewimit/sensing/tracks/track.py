@@ -223,21 +223,10 @@ def choose_individual(where: str, individuals: Sequence[str], name: str | None) 
 
 
 def with_seen(where: str, track: Track, seen: Mapping[Meaning, NDArray[np.float64]]) -> Track:
-    """Return the track with the confidence that all columns about it allow.
+    """Return the track with the confidence that all columns about it allow, instead of its own.
 
-    Parameters
-    ----------
-    where : str
-        For messages.
-    track : Track
-        Its confidence is not used.
-    seen : mapping
-        By meaning, the least value of such columns (of HIDDEN: the largest), (T, N). NaN: not seen; inf: not known.
-
-    Raises
-    ------
-    ValueError
-        For a value that its column cannot have.
+    seen: by meaning, the least value of such columns (of HIDDEN: the largest), (T, N). NaN: not seen; inf: not known.
+    Raises ValueError for a value that its column cannot have.
     """
     confidence, flag_1, coco = np.full(track.image.shape[:2], CERTAIN), None, False
     there = np.isfinite(track.image).all(-1)

@@ -1,6 +1,6 @@
 """The snapshots of a session in the order of their motions, and the one that it shows."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any, overload
 
@@ -46,9 +46,6 @@ class History(Sequence[Snapshot]):
 
     def __len__(self) -> int:
         return len(self._snapshots)
-
-    def __iter__(self) -> Iterator[Snapshot]:
-        return iter(self._snapshots)
 
     @overload
     def __getitem__(self, index: int) -> Snapshot: ...
@@ -123,10 +120,6 @@ class History(Sequence[Snapshot]):
     def replace(self, snapshot: Snapshot) -> None:
         """Replace the present snapshot. Later snapshots are dropped."""
         self._snapshots[self.cursor :] = [snapshot]
-
-    def undo(self) -> bool:
-        """Go one motion back; later snapshots stay. Return False at the start."""
-        return self.scrub(self.cursor - 1)
 
     def scrub(self, motion: int) -> bool:
         """Show the snapshot after a number of motions, or the one that stands for it. Return False if there is none."""

@@ -85,7 +85,10 @@ def run(args: argparse.Namespace) -> int:
     if args.out:
         with options.naming("--out"):
             evaluate_report.require_format(args.out)
-    _require_options(args)
+    if args.calibration and args.postures:
+        raise options.BadInput("--calibration, --postures: give one of them, as both show the learner's body")
+    if args.unmatched and not (args.calibration or args.postures):
+        raise options.BadInput(f"--unmatched: needs {NEEDED}")
     tracked = _read(args)
     removed = tracked.n_below_confidence(args.min_confidence)
     _say(*_told_of(args, tracked, removed))
@@ -135,15 +138,6 @@ def _told_of(args: argparse.Namespace, tracked: TrackedPoints, removed: dict[str
     yield tracked.doubtful_frames()
     if removed:
         yield _removed(tracked, removed, args.min_confidence)
-
-
-def _require_options(args: argparse.Namespace) -> None:
-    """Raise BadInput for options that do not go together."""
-    given = [name for name in ("calibration", "postures") if vars(args)[name] is not None]
-    if len(given) > 1:
-        raise options.BadInput("--calibration, --postures: give one of them, as both show the learner's body")
-    if args.unmatched and not given:
-        raise options.BadInput(f"--unmatched: needs {NEEDED}")
 
 
 def _with_body(

@@ -26,7 +26,8 @@ TABLE_DIGITS = 12  # significant, of a number in a .csv table: fewer than conver
 def add_options(parser: argparse.ArgumentParser) -> None:
     seen = ("demonstrator_deg", "transfer", "rectify", *options.SIGHT, "undistort", "sensor", "dynamics")
     options.add_settings(parser, *options.SCENE, *seen, *options.ARM, "servo", *SAFETY, defaults=Settings())
-    options.add_unmatched_option(parser)
+    unnamed = "the demonstrator's points come in an unknown order; find out which is which"
+    parser.add_argument("--unmatched", dest="matched", action="store_false", default=None, help=unnamed)
     number = options.between(int, 0, MAX_HISTORY)
     parser.add_argument("--max-motions", type=number, default=1000, metavar="N", help="%(default)s")
     parser.add_argument(

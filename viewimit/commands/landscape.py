@@ -35,7 +35,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     if args.out:
         with options.naming("--out"):
-            _require_format(args.out)
+            if args.out.suffix.lower() not in TABLES + figures.PICTURES:
+                known = ", ".join(TABLES + figures.PICTURES)
+                raise ValueError(f"{args.out}: unknown extension {args.out.suffix.lower()!r}; there are {known}")
+            figures.require_renderer(args.out, ".svg")
     settings = options.settings_from(args)
     session = Session(settings)
     if args.transfer is None:
@@ -79,14 +82,6 @@ def _report(result: dict) -> None:
     print(f"demonstrator  {there} at {posture(result['demonstrator_deg'])}")
     print(f"largest       {most}")
     print(f"local minima  {minima}; steepest descent ends at the lowest from {basin:.1%} of the postures")
-
-
-def _require_format(path: Path) -> None:
-    """Raises ValueError for an extension that is not written, or a picture without the package that writes it."""
-    suffix = path.suffix.lower()
-    if suffix not in TABLES + figures.PICTURES:
-        raise ValueError(f"{path}: unknown extension {suffix!r}; there are {', '.join(TABLES + figures.PICTURES)}")
-    figures.require_renderer(path, ".svg")
 
 
 def _write(path: Path, landscape: Landscape, scene: Scene, snapshot: Snapshot) -> None:

@@ -134,8 +134,10 @@ class History(Sequence[Snapshot]):
             return
         for motion in range(first, first + STRIDE):
             one = self._snapshots[motion]
-            stands_for_another = one.motion != motion
-            self._snapshots[motion] = self._snapshots[one.motion] if stands_for_another else _bare(one)
+            if one.motion != motion:  # it stands for this one
+                self._snapshots[motion] = self._snapshots[one.motion]
+            elif COMPUTED & vars(one).keys():
+                self._snapshots[motion] = replace(one)
 
     def _thin(self) -> None:
         """Let each old snapshot that is kept stand for those until the next kept one."""
@@ -144,8 +146,3 @@ class History(Sequence[Snapshot]):
             stride *= 2
         for first in range(EARLY, EARLY + old - stride + 1, stride):
             self._snapshots[first + 1 : first + stride] = [self._snapshots[first]] * (stride - 1)
-
-
-def _bare(snapshot: Snapshot) -> Snapshot:
-    """Drop what was computed of a snapshot."""
-    return replace(snapshot) if COMPUTED & vars(snapshot).keys() else snapshot

@@ -153,7 +153,8 @@ def run(
     each joint.
     """
     session = Session(settings)
-    axes = grid_axes(session.world, step_deg or grid_step_deg(session))
+    coarser = float(np.sqrt(np.prod(np.diff(session.scene.range_deg)) / PAPER_RANGE_DEG2))
+    axes = grid_axes(session.world, step_deg or max(1.0, coarser))
     demo_deg, joints = given(session.settings.demonstrator_deg), session.scene.moving_joints
     found = Fig7(session.settings, demo_deg, joints, {}, {})
     others = _demonstrators(axes, study)
@@ -171,11 +172,6 @@ def run(
             found, done = replace(found, studies={**found.studies, transfer: study_so_far}), done + 1
             progress(done / total, found)
     return found
-
-
-def grid_step_deg(session: Session) -> float:
-    """Return the step at which the grid has as many postures as the paper's ranges at 1°, at least 1°."""
-    return max(1.0, float(np.sqrt(np.prod(np.diff(session.scene.range_deg)) / PAPER_RANGE_DEG2)))
 
 
 def _minima(session: Session, transfer: str, axes: tuple[NDArray, NDArray]) -> tuple[Conflict, Landscape, Minima]:

@@ -169,17 +169,10 @@ def landscape_over(
     fit: Callable,
     demo: NDArray[np.float64],
     demo_visible: NDArray[np.bool_],
-    axes: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
+    axes: tuple[NDArray[np.float64], NDArray[np.float64]],
     with_condition: bool = False,
 ) -> Landscape:
-    """Compute E over a grid of the learner's postures; the arguments are those of `conflict_at`.
-
-    axes: two arrays of rad, by default those of a world's scene. Raises ValueError without axes and scene.
-    """
-    if axes is None:
-        if not isinstance(world, World):
-            raise ValueError("cameras have no range of their own: give axes")
-        axes = grid_axes(world)
+    """Compute E over a grid of the learner's postures. axes: rad; the other arguments are those of `conflict_at`."""
     rows = max(PROJECTED_POINTS // (len(demo) * len(axes[1])), 1)
     found = [
         conflict_at(world, fit, demo, demo_visible, (axes[0][k : k + rows, None], axes[1]), with_condition)

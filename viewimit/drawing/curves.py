@@ -10,6 +10,8 @@ from ..loop.snapshot import Snapshot
 from . import svg
 from .plots import Axes, Tick, decade_ticks, decades, log10
 
+Floats = NDArray[np.float64]
+
 HEIGHT = 116  # px of one plot
 LEFT, RIGHT, TOP, BOTTOM = 40, 112, 24, 20  # px around a plot
 GAP = 6  # px between the plots
@@ -86,9 +88,7 @@ def _frame(axes: Axes, step: int, cursor: int, title: str, note: str, ticks: Seq
     return "".join(parts)
 
 
-def _draw_E(
-    box: Box, step: int, snapshots: list[Snapshot], motions: NDArray[np.float64], cursor: int, E_true: float | None
-) -> str:
+def _draw_E(box: Box, step: int, snapshots: list[Snapshot], motions: Floats, cursor: int, E_true: float | None) -> str:
     E = np.maximum([snapshot.E for snapshot in snapshots], MIN_E)
     E_true = max(E_true, MIN_E) if E_true is not None and np.isfinite(E_true) else None
     y = decades(E if E_true is None else np.append(E, E_true))
@@ -108,7 +108,7 @@ def _draw_E(
 
 
 def _draw_angles(
-    box: Box, step: int, snapshots: list[Snapshot], motions: NDArray[np.float64], cursor: int, joints: Sequence[int]
+    box: Box, step: int, snapshots: list[Snapshot], motions: Floats, cursor: int, joints: Sequence[int]
 ) -> str:
     own = np.degrees(np.array([snapshot.theta for snapshot in snapshots]))
     demo = np.degrees(np.array([snapshot.theta_demo for snapshot in snapshots]))
@@ -138,7 +138,7 @@ def _draw_angles(
     return "".join(parts) + axes.labels(labels)
 
 
-def _curve(points: NDArray[np.float64], done: int, probes: NDArray[np.bool_], role: str) -> str:
+def _curve(points: Floats, done: int, probes: NDArray[np.bool_], role: str) -> str:
     """Draw a line with a dot per motion, hollow for probes; the part after the cursor is faint.
 
     points: (k, 2) px; done: number of points up to the cursor; probes: (k,) bool.

@@ -16,6 +16,8 @@ from ..geometry.rectification import Rectification
 from ..loop.snapshot import Snapshot
 from ..servo import LastMotion
 
+Floats = NDArray[np.float64]
+
 
 def draw_equations(snapshot: Snapshot, chosen: int | None = None) -> str:
     """Draw `equations_of` a snapshot as HTML."""
@@ -59,7 +61,7 @@ def _conflict(snapshot: Snapshot) -> Equation:
     return Equation("(6)", "conflict, sums over L and over R", latex, (*sums, str(2 * len(e)), short(snapshot.E)))
 
 
-def _constraint(snapshot: Snapshot, demo: NDArray[np.float64], own: NDArray[np.float64], name: str) -> Equation:
+def _constraint(snapshot: Snapshot, demo: Floats, own: Floats, name: str) -> Equation:
     """Write Eq. (1) for a point's images in l and L. demo, own: (4,) px, rectified if the transfer is."""
     f, f33 = _fundamental(snapshot)
     u = np.concatenate([demo[:2], own[:2]])
@@ -83,7 +85,7 @@ def _rectification(by: Rectification) -> Equation:
     return Equation("", "rectification: matched points get equal rows", latex, tuple(numbers), note, wide=True)
 
 
-def _fundamental(snapshot: Snapshot) -> tuple[NDArray[np.float64], float]:
+def _fundamental(snapshot: Snapshot) -> tuple[Floats, float]:
     """Return f, (4,), and f33, px, of the pair (l, L)."""
     pairs = snapshot.fundamental
     assert pairs is not None  # there is a transfer, so there are enough points

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from . import svg
 
+Floats = NDArray[np.float64]
+
 CHARACTER, LINE = 6.1, 13  # px: width of a letter of 11 px at most, height of a line
 OUT, UP = 30, 24  # px from a mark to the end of its leader
 BESIDE = (  # from a mark to the middle of a label, in units of its size; the best first
@@ -60,11 +62,11 @@ class Labels:
             for there in self._met(rectangle[1], rectangle[3]):
                 there.append(rectangle)
 
-    def take_points(self, places: NDArray[np.float64], radius: float) -> None:
+    def take_points(self, places: Floats, radius: float) -> None:
         """Occupy squares around points, (2,) or (k, 2) px."""
         self.take(*_around(places.reshape(-1, 2).tolist(), radius))
 
-    def take_line(self, points: NDArray[np.float64], radius: float) -> None:
+    def take_line(self, points: Floats, radius: float) -> None:
         """Occupy a line through points, (k, 2) px."""
         self.take(*line_rectangles(points, radius))
 
@@ -136,7 +138,7 @@ def led(x: float, y: float, words: str, kind: str, to_left: bool, letter: float 
     return Label(_led_places(x, y, letter * len(words), to_left), draw)
 
 
-def line_rectangles(points: NDArray[np.float64], radius: float) -> list[Rectangle]:
+def line_rectangles(points: Floats, radius: float) -> list[Rectangle]:
     """Return squares of half-width `radius` along a line through points, (k, 2) px."""
     return _around(_along(points.tolist()), radius)
 

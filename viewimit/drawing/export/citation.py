@@ -53,13 +53,7 @@ def cite_both(one: Session, other: Session) -> Citation:
         command = f"{first.command} ; {second.command}"
     if first.python and second.python:
         python = f"{first.python}\n\n{second.python}"
-    return Citation(
-        f"{first.title} against {second.title}",
-        first.conditions,
-        _software(),
-        command,
-        python,
-    )
+    return Citation(f"{first.title} against {second.title}", first.conditions, _software(), command, python)
 
 
 def cite_experiment(name: str, settings: Settings, motion: object = None) -> Citation:

@@ -22,6 +22,8 @@ from ..theme import HEAD, OBSERVED, RECOVERED, RING
 from . import planes
 from .planes import SIZES, Window, Windows, describe_construction, draw_construction, is_shown
 
+Floats = NDArray[np.float64]
+
 GAINS = (10, 5, 2)
 READOUT_UP = 8  # px from the bottom of L and R
 READOUT_LETTER = 5.7  # px, width of a letter of the readout
@@ -126,7 +128,7 @@ def _ghosts(bodies: Bodies, windows: Windows, whole: bool) -> dict[str, str]:
     return kept[1]
 
 
-def arrow_gain(lengths: NDArray[np.float64]) -> float:
+def arrow_gain(lengths: Floats) -> float:
     """Choose how many times longer residuals of these lengths, px, are drawn: 1, 2, 5 or 10."""
     largest = lengths.max(initial=0.0)
     if lengths.size == 0 or largest >= SMALL:
@@ -148,7 +150,7 @@ def _arms(bodies: Bodies, windows: Windows, whole: bool) -> dict[str, str]:
     return drawn
 
 
-def _seen_marks(snapshot: Snapshot, points: NDArray[np.float64]) -> dict[str, str]:
+def _seen_marks(snapshot: Snapshot, points: Floats) -> dict[str, str]:
     """Draw the demonstrator's points in l and r; those not visible in all four images are faint."""
     used, drawn = points[:, snapshot.usable], {}
     for k, view in enumerate("lr"):
@@ -163,9 +165,7 @@ def _observed(points: bytes) -> str:
     return svg.diamonds(np.frombuffer(points).reshape(-1, 2), OBSERVED)
 
 
-def _own_marks(
-    snapshot: Snapshot, points: NDArray[np.float64], windows: dict[str, Window], gain: float
-) -> dict[str, str]:
+def _own_marks(snapshot: Snapshot, points: Floats, windows: dict[str, Window], gain: float) -> dict[str, str]:
     """Draw own points, recovered points, and residuals from recovered to own points, in L and R."""
     own, known = points[:, snapshot.usable], snapshot.transfer is not None
     numbers = _with_residuals(snapshot, own, windows["L"].scale, gain) if known else own.reshape(2, -1)
@@ -175,7 +175,7 @@ def _own_marks(
     return drawn
 
 
-def _with_residuals(snapshot: Snapshot, own: NDArray[np.float64], scale: float, gain: float) -> NDArray[np.float64]:
+def _with_residuals(snapshot: Snapshot, own: Floats, scale: float, gain: float) -> Floats:
     """Return the numbers that fill `_marks_template`, (2, 14 k) px, in L and in R. own: (2, k, 2) px."""
     e = snapshot.e.reshape(-1, 2, 2).transpose(1, 0, 2)[:, snapshot.usable] * scale  # (L R, k, 2)
     recovered = own - e
@@ -197,7 +197,7 @@ def _marks_template(count: int, known: bool) -> str:
     return f"{form}|{form}"
 
 
-def _partly_visible(snapshot: Snapshot, pair: str) -> list[tuple[int, NDArray[np.float64]]]:
+def _partly_visible(snapshot: Snapshot, pair: str) -> list[tuple[int, Floats]]:
     """List the views of a pair with points that are not visible in all views, and which points these are, (N,) bool."""
     if snapshot.views.complete:
         return []
@@ -205,7 +205,7 @@ def _partly_visible(snapshot: Snapshot, pair: str) -> list[tuple[int, NDArray[np
     return [(k, idle[view]) for k, view in enumerate(map(VIEWS.index, pair)) if idle[view].any()]
 
 
-def _rings(snapshot: Snapshot, points: NDArray[np.float64], chosen: int) -> list[str]:
+def _rings(snapshot: Snapshot, points: Floats, chosen: int) -> list[str]:
     """Draw the ring in l, r, L, R; "" where the chosen point is not visible. points: (4, N, 2) px."""
     return [
         f'<circle class="vi-ring" cx="{x:.1f}" cy="{y:.1f}" r="{RING:g}"/>' if seen else ""
@@ -324,7 +324,7 @@ def draw_legend(gain: float, chosen: int | None, crossed: bool, goal: bool) -> s
     return f'<svg class="vi vi-legend" viewBox="0 0 {width} {height}">{"".join(parts)}</svg>'
 
 
-def residual_lengths(snapshot: Snapshot) -> NDArray[np.float64]:
+def residual_lengths(snapshot: Snapshot) -> Floats:
     """Return |e| of the used points in L and in R, (k, 2) px; k is 0 without a transfer."""
     if snapshot.transfer is None:
         return np.empty((0, 2))
@@ -348,7 +348,7 @@ def metrics_of(snapshot: Snapshot) -> tuple[Metric, ...]:
     return _metrics(snapshot, residual_lengths(snapshot))
 
 
-def _metrics(snapshot: Snapshot, lengths: NDArray[np.float64]) -> tuple[Metric, ...]:
+def _metrics(snapshot: Snapshot, lengths: Floats) -> tuple[Metric, ...]:
     """lengths: from `residual_lengths`."""
     known = lengths.size > 0
     mean, largest, where = np.nan, np.nan, "{value}"

@@ -17,6 +17,8 @@ from .columns import Meaning
 from .names import same_names, unmatched_names
 from .numbering import FrameLabels
 
+Floats = NDArray[np.float64]
+
 MAX_PX = 1e6  # of a coordinate: no picture is larger
 MAX_CELLS = 5_000_000  # frames times points
 PERCENT, OWN_GRID = 100, 256  # px: a picture that is no larger is rare
@@ -36,8 +38,8 @@ class Track:
 
     frames: NDArray[np.uint64]  # (T,) numbers, ascending
     points: tuple[str, ...]  # N names
-    image: NDArray[np.float64]  # (T, N, 2) px, NaN if not visible
-    confidence: NDArray[np.float64]  # (T, N)
+    image: Floats  # (T, N, 2) px, NaN if not visible
+    confidence: Floats  # (T, N)
     flag_1: NDArray[np.bool_] | None = None  # (T, N) whether the flag of visibility is 1; None without flags
     coco: bool = False  # whether the flags are COCO's, so that 1 is not visible
     unread: str = ""  # what of the file is not read
@@ -59,7 +61,7 @@ class Track:
             )
         return self
 
-    def above_confidence(self, min_confidence: float) -> NDArray[np.float64]:
+    def above_confidence(self, min_confidence: float) -> Floats:
         """Return the points, (T, N, 2) px, with NaN for those of less confidence."""
         return np.where((self.confidence >= min_confidence)[..., None], self.image, np.nan)
 
@@ -83,8 +85,8 @@ class TrackedPoints:
 
     frames: tuple[int, ...]  # T numbers
     points: tuple[str, ...]  # N names
-    image: dict[str, NDArray[np.float64]]  # by view, (T, N, 2) px, NaN if not visible
-    confidence: dict[str, NDArray[np.float64]]  # by view, (T, N)
+    image: dict[str, Floats]  # by view, (T, N, 2) px, NaN if not visible
+    confidence: dict[str, Floats]  # by view, (T, N)
     names: dict[str, tuple[str, ...]] = field(default_factory=dict)  # by view, those in its file
     notes: tuple[str, ...] = ()  # what is not read, or read otherwise than it stands there
 
@@ -222,7 +224,7 @@ def choose_individual(where: str, individuals: Sequence[str], name: str | None) 
     raise ValueError(f"{where}: nobody is named {name!r}; it has {named}")
 
 
-def with_seen(where: str, track: Track, seen: Sequence[tuple[Meaning, NDArray[np.float64]]]) -> Track:
+def with_seen(where: str, track: Track, seen: Sequence[tuple[Meaning, Floats]]) -> Track:
     """Return the track with the confidence that all columns about it allow, instead of its own.
 
     seen: meaning and values, (T, N), of each such column. NaN: not seen; inf: not known. Raises ValueError for a value
@@ -253,7 +255,7 @@ def with_seen(where: str, track: Track, seen: Sequence[tuple[Meaning, NDArray[np
     return replace(track, confidence=confidence, flag_1=flag_1, coco=coco)
 
 
-def _least_seen(meaning: Meaning, values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _least_seen(meaning: Meaning, values: Floats) -> Floats:
     """What says least that a point is seen, of columns of one meaning, (columns, T, N); inf: none does."""
     if meaning is not Meaning.HIDDEN:
         return np.asarray(values.min(0))
@@ -306,7 +308,7 @@ class Rows:
         require_cells(where, len(frames), len(self._points))
         cells = at, np.array(self.point, int)
 
-        def spread(values: "array[float]", missing: float) -> NDArray[np.float64]:
+        def spread(values: "array[float]", missing: float) -> Floats:
             found = np.full((len(frames), len(self._points)), missing)
             found[cells] = np.array(values)
             return found

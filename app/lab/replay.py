@@ -190,7 +190,7 @@ def _page(title: str, citation: Citation, data: dict[str, Any], meshes: bytes) -
             made=count_motions(last),
             software=escape(citation.software),
             repeated=_repeated(citation),
-            line=escape(citation.repeated_by or citation.software),
+            line=escape(citation.command or citation.software),
             **{f"ask_{key}": ask(key) for key in ASKED},
         )
         for name, text in _parts().items()

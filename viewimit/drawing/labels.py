@@ -42,17 +42,16 @@ class PlacedLabel(NamedTuple):
 
 
 class Labels:
-    """Occupied rectangles within bounds, px. letter: width of a letter, px."""
+    """Occupied rectangles within bounds, px."""
 
     def __init__(self, left: float, top: float, right: float, bottom: float):
-        self.bounds, self.letter = (left, top, right, bottom), CHARACTER
+        self.bounds = left, top, right, bottom
         self._first = int(top // STRIP)
         self._strips: list[list[Rectangle]] = [[] for _ in range(self._first, int(bottom // STRIP) + 1)]
 
     def copy(self) -> "Labels":
         """Return a copy with the same occupied rectangles."""
         other = Labels(*self.bounds)
-        other.letter = self.letter
         other._strips = [there.copy() for there in self._strips]
         return other
 
@@ -104,11 +103,7 @@ class Labels:
 
     def beside(self, x: float, y: float, words: str, classes: str, distance: float) -> str:
         """Draw a label next to a mark at (x, y) px."""
-        return self.put(beside(x, y, words, classes, distance, self.letter)).drawn
-
-    def led(self, x: float, y: float, words: str, kind: str, to_left: bool) -> str:
-        """Draw a label with a leader of class `kind` from the mark at (x, y) px."""
-        return self.put(led(x, y, words, kind, to_left, self.letter)).drawn
+        return self.put(beside(x, y, words, classes, distance)).drawn
 
     def _met(self, top: float, bottom: float) -> list[list[Rectangle]]:
         """Return the strips between two heights, px; beyond the bounds the outermost one."""
@@ -117,13 +112,13 @@ class Labels:
         return self._strips[first if first > 0 else 0 : last if last > 1 else 1] or self._strips[-1:]
 
 
-def beside(x: float, y: float, words: str, classes: str, distance: float, letter: float = CHARACTER) -> Label:
-    """Make a label with places around a mark. letter: width of a letter, px."""
-    places = list(places_beside(x, y, letter * len(words), distance))
+def beside(x: float, y: float, words: str, classes: str, distance: float) -> Label:
+    """Make a label with places around a mark."""
+    places = list(places_beside(x, y, CHARACTER * len(words), distance))
     return Label(places, lambda place: (text_at(place, words, classes), ()))
 
 
-def led(x: float, y: float, words: str, kind: str, to_left: bool, letter: float = CHARACTER) -> Label:
+def led(x: float, y: float, words: str, kind: str, to_left: bool) -> Label:
     """Make a label with a leader of class `kind` from the mark."""
 
     def draw(place: Rectangle) -> tuple[str, Sequence[Rectangle]]:
@@ -135,7 +130,7 @@ def led(x: float, y: float, words: str, kind: str, to_left: bool, letter: float 
         taken = line_rectangles(np.array([[from_x, from_y], [end_x, end_y]]), 1)
         return leader + text_at(place, words, "vi-halo"), taken
 
-    return Label(_led_places(x, y, letter * len(words), to_left), draw)
+    return Label(_led_places(x, y, CHARACTER * len(words), to_left), draw)
 
 
 def line_rectangles(points: Floats, radius: float) -> list[Rectangle]:

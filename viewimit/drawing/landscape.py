@@ -21,7 +21,7 @@ from ..servo.certificate import MAX_STD_PER_PX
 from ..simulation.scene import Scene
 from ..wording import listed
 from . import relief, svg
-from .labels import Label, led
+from .labels import CHARACTER, Label, led
 from .plots import figure
 from .posture_plane import NOW, PathLabels, PosturePlane
 from .theme import OBSERVED
@@ -202,7 +202,7 @@ class LandscapePicture:
         start = plane.place(np.array(snapshot.settings.start_deg))
         labels.take_points(marks, 8)
         left, top, *__ = plane.box
-        hint = left, top, left + HINT_PLACE[0] + len(HINT) * labels.letter, top + HINT_PLACE[1] + 6
+        hint = left, top, left + HINT_PLACE[0] + len(HINT) * CHARACTER, top + HINT_PLACE[1] + 6
         labels.take(hint)
         fine = max(np.degrees(np.diff(axis)).max() for axis in landscape.axes) <= CLOSE_DEG / 2
         room = min(plane.box[2:]) > 2 * INSET

@@ -43,27 +43,14 @@ def log10(values: ArrayLike) -> Floats:
 class Axes:
     """Two scales over a box of px."""
 
-    box: tuple[float, float, float, float]  # left, top, right, bottom, px
+    left: float  # px, as top, right and bottom
+    top: float
+    right: float
+    bottom: float
     x: tuple[float, float]  # values at the left and at the right
     y: tuple[float, float]  # values at the bottom and at the top
     across: Callable[[ArrayLike], Floats] = linear  # scale of x: `linear` or `log10`
     up: Callable[[ArrayLike], Floats] = linear  # scale of y
-
-    @property
-    def left(self) -> float:
-        return self.box[0]
-
-    @property
-    def top(self) -> float:
-        return self.box[1]
-
-    @property
-    def right(self) -> float:
-        return self.box[2]
-
-    @property
-    def bottom(self) -> float:
-        return self.box[3]
 
     def x_px(self, values: ArrayLike) -> Floats:
         """Return the px of values of x."""

@@ -57,7 +57,7 @@ class PosturePlane:
         self.box = float(left + (width - left - right - w) / 2), self._top, float(w), float(h)
         edges = self.box[0], self._top, self.box[0] + self.box[2], self._top + self.box[3]
         up, across = zip(self._low.tolist(), self._high.tolist())
-        self._axes = Axes(edges, across, up)
+        self._axes = Axes(*edges, across, up)
         self._slope = np.array([edges[2] - edges[0], edges[1] - edges[3]]) / span[::-1]  # px per degree
         self._origin = np.array([edges[0], edges[3]]) - self._slope * self._low[::-1]
         self.labels = Labels(*edges)
@@ -241,5 +241,5 @@ class PathLabels:
         x, y = self._plane.place(np.degrees(theta)).tolist()
         where = f"({svg.degrees(theta[0])}, {svg.degrees(theta[1])})"
         words = ("now {pose}" if cursor else "start {pose}").format(pose=where)
-        place = labels.first_free(places_beside(x, y, labels.letter * len(words), 11))
+        place = labels.first_free(places_beside(x, y, _length(words), 11))
         return ("" if place is None else text_at(place, words, "vi-of-own vi-halo")), place

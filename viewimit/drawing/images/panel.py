@@ -238,14 +238,9 @@ def _epipolar_lines(
         if seen[source] and (stage is None or k > 1 >= source and is_shown(stage, True, ("left", "right")[source])):
             view = "lrLR"[k]
             if d := _chord(line, windows[view]):
-                drawn[view] += f'<path class="vi-line{_line_style(source, k)}" d="{d}"/>'
+                style = " vi-partner" if source // 2 == k // 2 else " vi-from-right" if source % 2 else ""
+                drawn[view] += f'<path class="vi-line{style}" d="{d}"/>'
     return drawn
-
-
-def _line_style(source: int, into: int) -> str:
-    if source // 2 == into // 2:
-        return " vi-partner"
-    return " vi-from-right" if source % 2 else ""
 
 
 def _chord(line: list[float], window: Window) -> str:
@@ -271,28 +266,22 @@ def _chord(line: list[float], window: Window) -> str:
 # Legend and metrics
 
 
-class LegendEntry(NamedTuple):
-    """A mark and its meaning."""
-
-    mark: str  # SVG around (10, 0)
-    words: str
-    left: float  # px of the mark's left edge
-    width: float  # px
+LegendEntry = tuple[str, str, float, float]  # mark, SVG around (10, 0); words; px of its left edge, and its width
 
 
 def _legend_entries(gain: float, crossed: bool, goal: bool) -> list[LegendEntry]:
     """List all marks but those of the chosen point. crossed: whether the construction has epipolar lines, or steps."""
     arrow = "residual e" if gain == 1 else f"residual e, ×{gain:g}"
     diamond = lambda r: f"M10-{r}l{r} {r}-{r} {r}-{r}-{r}z"
-    entries = [
-        LegendEntry('<path class="vi-own" d="M10 0h0"/>', "own point", 5, 10),
-        LegendEntry(f'<path class="vi-found" d="{diamond(RECOVERED)}"/>', PUT_BY[crossed], 5, 10),
-        LegendEntry('<path class="vi-e" d="M1 0H16"/><path class="vi-tip" d="M20 0l-4.6 1.9v-3.8z"/>', arrow, 0, 21),
+    entries: list[LegendEntry] = [
+        ('<path class="vi-own" d="M10 0h0"/>', "own point", 5, 10),
+        (f'<path class="vi-found" d="{diamond(RECOVERED)}"/>', PUT_BY[crossed], 5, 10),
+        ('<path class="vi-e" d="M1 0H16"/><path class="vi-tip" d="M20 0l-4.6 1.9v-3.8z"/>', arrow, 0, 21),
     ]
     if goal:
         ghost = '<rect class="vi-goal" x="3.5" y="-5.5" width="13" height="11" rx="4"/>'
         ring = f'<circle class="vi-goal-ring" cx="10" cy="0" r="{GOAL_DOT}"/>'
-        entries.append(LegendEntry(f'<g class="vi-ghost">{ghost}{ring}</g>', "goal", 3, 14))
+        entries.append((f'<g class="vi-ghost">{ghost}{ring}</g>', "goal", 3, 14))
     return entries
 
 
@@ -311,11 +300,11 @@ def draw_legend(gain: float, chosen: int | None, crossed: bool, goal: bool) -> s
     """Draw the legend in two rows, for print."""
     entries = _legend_entries(gain, crossed, goal)
     if chosen is not None:
-        entries.append(LegendEntry('<circle class="vi-ring" cx="10" cy="0" r="5"/>', f"point {chosen}, its", 3, 14))
+        entries.append(('<circle class="vi-ring" cx="10" cy="0" r="5"/>', f"point {chosen}, its", 3, 14))
     if chosen is not None and crossed:
-        entries += [LegendEntry(planes.line_sample(kind), words, 0, 20) for kind, words in planes.LINE_NAMES.items()]
+        entries += [(planes.line_sample(kind), words, 0, 20) for kind, words in planes.LINE_NAMES.items()]
     elif chosen is not None:
-        entries.append(LegendEntry(planes.STEPS_SAMPLE, "steps to it", 0, 20))
+        entries.append((planes.STEPS_SAMPLE, "steps to it", 0, 20))
     (width, height), parts = LEGEND_SIZE, []
     for i, (mark, words, *__) in enumerate(entries):
         label = f'<text class="vi-2nd" x="25" y="4">{words}</text>'

@@ -84,7 +84,7 @@ def _axes(points: Floats) -> Axes:
     w, h = WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM
     half = max((high - low)[0] / w, (high - low)[1] / h) * np.array([w, h]) / 2
     (left, upper), (right, lower) = ((low + high) / 2 - half).tolist(), ((low + high) / 2 + half).tolist()
-    return Axes((LEFT, TOP, WIDTH - RIGHT, HEIGHT - BOTTOM), (left, right), (lower, upper))
+    return Axes(LEFT, TOP, WIDTH - RIGHT, HEIGHT - BOTTOM, (left, right), (lower, upper))
 
 
 def _dot(kind: str, x: float, y: float) -> str:

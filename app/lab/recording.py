@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.analysis.construction import construct
-from viewimit.analysis.landscape import Landscape, conflict_at
+from viewimit.analysis.landscape import Landscape, conflict_at, seen_from
 from viewimit.analysis.observability import joint_uncertainty
 from viewimit.analysis.self_assessment import assess
 from viewimit.drawing import svg
@@ -199,8 +199,7 @@ class _Maps:
             return {"says": FOLLOWS}
         if moment.transfer is None and not moment.usable.any():
             return {"says": TOO_FEW}
-        world, views, theta = self._world, moment.views, moment.theta_demo
-        seen = world, moment.fit, views.demo, views.visible[:, :2]
+        world, theta, seen = self._world, moment.theta_demo, seen_from(self._world, moment)
         E_true = float(conflict_at(*seen, theta[:, None])[0, 0])
         found: dict[str, Any] = {"E_true": E_true if np.isfinite(E_true) else None}
         landscape = compute_landscape(world, moment, MAP_DEG)

@@ -95,6 +95,16 @@ def test_points_that_are_anywhere_have_no_known_reason():
     assert found.misfit == Misfit(MisfitKind.NONE) and found.margin == 0
 
 
+@SEEDS
+def test_a_body_that_differs_a_little_everywhere_is_another_body(seed):
+    places, spread = body_of(seed).places(TRUTH), 0.005
+    found = explained(seed, places + spread * np.random.default_rng(seed).normal(size=places.shape))
+    size = body_of(seed).places(np.zeros(2)).std(0).mean()
+    assert found.misfit.kind is MisfitKind.ANOTHER_BODY and found.margin == 0  # nothing is claimed
+    assert 0.5 < found.misfit.amount * size / spread < 1.5
+    assert (np.abs(found.estimate.theta - TRUTH) < 4 * found.estimate.std_error).all()
+
+
 def test_a_body_with_another_link_is_imitated_and_its_length_said():
     stretch = np.array([0.02, -0.04])
     settings = Settings(start_deg=(20, -120), demonstrator_deg=(60, -60), seed=3, **NOISY)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...analysis.landscape import Landscape, conflict_at, grid_axes, landscape_over
+from ...analysis.landscape import Landscape, conflict_at, grid_axes, landscape_over, seen_from
 from ...analysis.observability import joint_uncertainty
 from ...loop.settings import disturbances
 from ...loop.snapshot import Snapshot
@@ -85,8 +85,7 @@ def compute_landscape(world: World, snapshot: Snapshot, step_deg: float = FINE_D
     """Compute E around the demonstrator as the learner has seen it; None unless two joints move."""
     if len(world.scene.moving_joints) != 2:
         return None
-    views = snapshot.views
-    return landscape_over(world, snapshot.fit, views.demo, views.visible[:, :2], grid_axes(world, step_deg))
+    return landscape_over(*seen_from(world, snapshot), grid_axes(world, step_deg))
 
 
 def make_landscape(world: World, snapshot: Snapshot, step_deg: float = FINE_DEG) -> MadeLandscape:
@@ -94,8 +93,7 @@ def make_landscape(world: World, snapshot: Snapshot, step_deg: float = FINE_DEG)
     if not snapshot.views.matched:
         return MadeLandscape(world, LandscapePicture(None, world.scene, snapshot, NO_NAMES), None)
     found = compute_landscape(world, snapshot, step_deg)
-    views, theta = snapshot.views, snapshot.theta_demo
-    seen = world, snapshot.fit, views.demo, views.visible[:, :2]
+    theta, seen = snapshot.theta_demo, seen_from(world, snapshot)
     E_true = float(conflict_at(*seen, theta[:, None])[0, 0])
     picture = LandscapePicture(found, world.scene, snapshot, TOO_FEW, joint_uncertainty(*seen, theta))
     coarse = found is not None and step_deg > FINE_DEG

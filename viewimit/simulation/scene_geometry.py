@@ -191,16 +191,11 @@ def corners(camera: Camera) -> Floats:
 
 
 def _pedestal(world: World, arm: str, T_world_base: Floats) -> Solid:
-    x, y, height = T_world_base[:3, 3] + [0, 0, _below(world, T_world_base)]
     size = world.scene.size
+    below = float((link_meshes(world.scene.robot)[0].vertices @ T_world_base[2, :3]).min())  # its lowest vertex
+    x, y, height = T_world_base[:3, 3] + [0, 0, below if below < -MIN_LEGS * size else 0]
     vertices, faces = pedestal(max(height / size, 0.03))
     return Solid(f"{arm}_pedestal", "pedestal", size * vertices, faces, np.array([x, y, height]), np.eye(3))
-
-
-def _below(world: World, T_world_base: Floats) -> float:
-    """Return the height of a base's lowest vertex above its origin, negative for legs, m; 0 for a mounted base."""
-    lowest = float((link_meshes(world.scene.robot)[0].vertices @ T_world_base[2, :3]).min())
-    return lowest if lowest < -MIN_LEGS * world.scene.size else 0.0
 
 
 def _head(world: World) -> Iterator[Solid]:
@@ -210,15 +205,13 @@ def _head(world: World) -> Iterator[Solid]:
     forward = sum(camera.T_world_camera[:3, 2] for camera in cameras_of(world)) * [1, 1, 0]
     turn = rotation_about_axis([0, 0, 1], np.arctan2(forward[1], forward[0]))
     half = world.scene.head.baseline / 2 / size
-    yield _solid("stand", "metal", stand(below[2] / size), size, below, turn)
-    yield _solid("bar", "metal", box((0.04, 2 * half + 0.06, 0.025)), size, below, turn)
-    for side in (-1, 1):
-        place = centre + size * (turn @ [-0.035, side * half, 0])
-        yield _solid(f"camera{side}", "lens", box((0.07, 0.09, 0.065)), size, place, turn)
-
-
-def _solid(name: str, colour: str, shape: Mesh, size: float, position: Floats, turn: Floats) -> Solid:
-    return Solid(name, colour, size * shape[0], shape[1], position, turn)
+    eyes = [(f"camera{side}", centre + size * (turn @ [-0.035, side * half, 0])) for side in (-1, 1)]
+    for name, colour, (vertices, faces), place in (
+        ("stand", "metal", stand(below[2] / size), below),
+        ("bar", "metal", box((0.04, 2 * half + 0.06, 0.025)), below),
+        *((name, "lens", box((0.07, 0.09, 0.065)), place) for name, place in eyes),
+    ):
+        yield Solid(name, colour, size * vertices, faces, place, turn)
 
 
 # Shapes. All are closed and their faces turn outwards: a renderer then draws one side only, in half the time, and casts

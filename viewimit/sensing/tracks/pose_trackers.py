@@ -368,5 +368,5 @@ def read_slp(path: Path, file: Any, individual: str | None) -> Track:
             kinds[t] = kind
             own = points[kind][int(one["point_id_start"]) : int(one["point_id_end"])]
             image[t] = np.where(own["visible"][:, None], np.stack([own["x"], own["y"]], -1), np.nan)
-            confidence[t] = own["score"] if "score" in own.dtype.names else CERTAIN
+            confidence[t] = own["score"] if "score" in (own.dtype.names or ()) else CERTAIN
     return Track(numbers, tuple(nodes), image, confidence)

@@ -26,9 +26,7 @@ from .queue import CommandQueue
 
 class OwnLandscape:
     """Of the transfer that the visitor's learner uses: coarse at once, then fine, unless it has changed by then.
-
-    made: None before the first moment is known.
-    """
+    made: None before the first moment is known."""
 
     def __init__(self, beside: Callable[..., None]):
         self._beside = beside
@@ -157,14 +155,9 @@ def _without_start(settings: Settings) -> Settings:
     return msgspec.structs.replace(settings, start_deg=None)
 
 
-# The landscapes of all transfers instead of the one that is used: computed only while they are shown.
-
-
 class Comparison:
-    """Each transfer is asked for separately, so that the landscapes of other pages come in between.
-
-    on: whether they are to be shown; html: all of them; None while the one that is used is shown.
-    """
+    """The landscapes of all transfers, computed only while they are shown. Each is asked for separately, so that those
+    of other pages come in between. on: whether they are to be shown; html: None while the one that is used is shown."""
 
     def __init__(self, beside: Callable[..., None]):
         self._beside = beside
@@ -218,14 +211,9 @@ def _draw_compared(asked: tuple, world: World, snapshot: Snapshot, transfer: str
     return asked, draw_costs(joints, transfer, spread)
 
 
-# What a page asks of its experiments, and what it knows of them.
-
-
 class Experiments:
-    """chosen: an experiment's name; latest: the run asked for last; runs: by experiment, its latest.
-
-    All look at projected points, also if the page uses camera images: pictures would take them hours.
-    """
+    """What a page asks of its experiments, and what it knows of them. All look at projected points, as pictures would
+    take them hours. chosen: an experiment's name; latest: the run asked for last; runs: by experiment, its latest."""
 
     def __init__(
         self,

@@ -8,7 +8,6 @@ import math
 import time
 from collections.abc import Callable, Container, Iterator
 from dataclasses import dataclass, field
-from functools import cache
 from typing import Any
 
 import msgspec
@@ -20,22 +19,29 @@ from viewimit.loop.history import MAX_HISTORY
 from viewimit.loop.script import Begin, ChangeSettings, MoveDemonstrator, Script
 from viewimit.loop.session import Session
 from viewimit.loop.settings import OWN, Settings, convert_fields
-from viewimit.loop.simulated_robot import complete
 from viewimit.sensing.files import file_name, is_text
 from viewimit.simulation.robot import robot_names
-from viewimit.simulation.scene import load_scene, scene_names
-from viewimit.simulation.scene_writing import scene_text
+from viewimit.simulation.scene import scene_names
 
 from ..jobs.camera_images import CameraProcess, eyes_beside
-from .choices import FLAGS, PRESETS, SPEEDS, SWITCHES, Preset, View, presets_from
+from .choices import (
+    FLAGS,
+    MAX_POINTS,
+    PRESETS,
+    SPEEDS,
+    SWITCHES,
+    Preset,
+    View,
+    described,
+    presets_from,
+    require_scene,
+    usual,
+)  # fmt: skip
 from .player import DENSE
 from .queue import UNFINISHED, CommandQueue
 from .services import Services
 
 MAX_FRAMES = 100  # images averaged in each observation
-MAX_POINTS = 64  # placed by hand, or of a layout
-MAX_LAYOUTS = 16
-MAX_TITLE = 200  # characters
 MAX_SCENES = 16  # described in full
 BOUNDED = {"scene", "robot", "transfer", "servo", "body_points", "frames", "sensor"}  # settings, by `require_allowed`
 VERSUS = "versus"  # the opponent's query
@@ -98,7 +104,9 @@ def read_link(query: str, begun: Settings) -> Linked:
             raise ValueError(f"the link has {name!r} twice")
         else:
             page[name] = text
-    own = {name(place): place for place in (begun.scene, begun.robot) if place for name in (file_name, described)}
+    own = {file_name(place): place for place in (begun.scene, begun.robot) if place}
+    if begun.scene.lower().endswith(".toml"):
+        own[described(begun.scene)] = begun.scene
     preset = _preset(page.get("preset"), begun)
     base = usual(preset)
     share = 2 if VERSUS in page else 1
@@ -134,26 +142,6 @@ def _script(packed: str | None, pairs: link.Pairs, base: Settings, share: int) -
     return found.script, found.motion
 
 
-@cache
-def _completed(settings: Settings) -> Settings:
-    return complete(settings)
-
-
-def usual(preset: Preset) -> Settings:
-    """Return the settings of a preset with the postures of its scene, against which links are said."""
-    return _completed(preset.settings)
-
-
-def nearest(settings: Settings) -> Preset:
-    """Return the preset with a key from which settings differ least."""
-
-    def differing(preset: Preset) -> int:
-        base = usual(preset)
-        return sum(getattr(settings, name) != getattr(base, name) for name in Settings.__struct_fields__)
-
-    return min((preset for preset in PRESETS if preset.settings.sensor == settings.sensor), key=differing)
-
-
 def _preset(key: str | None, begun: Settings) -> Preset:
     if key is None:
         return next(iter(presets_from(begun).values()))
@@ -184,18 +172,6 @@ def _number(name: str, text: str, most: int) -> int:
     if not (text.isascii() and text.isdecimal() and len(text) < 8 and int(text) <= most):
         raise ValueError(f"the link's {name} must be a whole number up to {most}, got {text[:40]!r}")
     return int(text)
-
-
-def described(place: str) -> str:
-    """Return a scene file's content, where possible; otherwise its name, as of anything that is no scene file."""
-    if not place.lower().endswith(".toml"):
-        return file_name(place)
-    try:
-        text = scene_text(load_scene(place))
-        _require_scene(text)
-        return text
-    except (OSError, ValueError):
-        return file_name(place)
 
 
 def files_named(script: Script) -> list[str]:
@@ -234,7 +210,7 @@ def require_allowed(scripts: list[Script], begun: Settings) -> None:
     if len(texts) > MAX_SCENES:
         raise ValueError(f"the link describes {len(texts)} scenes; {MAX_SCENES} are the most")
     for text in texts:
-        _require_scene(text)
+        require_scene(text)
 
 
 def _require_names(settings: Settings, scenes: Container[str], robots: Container[str | None]) -> None:
@@ -251,24 +227,6 @@ def _require_names(settings: Settings, scenes: Container[str], robots: Container
         raise ValueError(f"the link averages {settings.frames} pictures; {MAX_FRAMES} are the most")
     if not all(map(math.isfinite, (*(settings.demonstrator_deg or ()), *(settings.start_deg or ())))):
         raise ValueError("the link has an angle that is no number")
-
-
-def _require_scene(text: str) -> None:
-    """At most what a page can draw."""
-    try:
-        scene = load_scene(text)
-    except ValueError as error:
-        raise ValueError(f"the link's scene cannot be shown: {' '.join(str(error).split())[:150]}") from None
-    points = max(map(len, scene.points.values()), default=0)
-    for what, count, most in (
-        ("points", points, MAX_POINTS),
-        ("layouts", len(scene.points), MAX_LAYOUTS),
-        ("letters in its title", len(scene.title), MAX_TITLE),
-    ):
-        if count > most:
-            raise ValueError(f"the link's scene has {count} {what}; {most} are the most")
-    if not scene.title.isprintable():
-        raise ValueError("the link's scene has a title that cannot be printed")
 
 
 # Its scripts are played beside the page, which then becomes what they lead to.

@@ -15,7 +15,7 @@ from viewimit.drawing.export.perspective import Viewpoint
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
 
-from .choices import Freedom, Message, Preset, View
+from .choices import Freedom, Message, Preset, View, usual
 from .computed import Basins, Comparison, DuelLandscapes, Experiments, OwnLandscape
 from .displayed import Display, Displayed
 from .editing import UndoableSession
@@ -89,7 +89,7 @@ class PageModel:
     @property
     def modified(self) -> bool:
         """Whether the settings are others than the preset's."""
-        return self.presets.differ(self.session.settings)
+        return self.session.settings != usual(self.presets.chosen)
 
     def show(self, **fields: Any) -> None:
         """Change fields of the view."""

@@ -9,16 +9,12 @@ from viewimit.drawing.export.perspective import draw_space
 from viewimit.drawing.svg import count_points
 from viewimit.simulation.eyes import require_eyes
 from viewimit.simulation.scene import Scene
-from viewimit.wording import listed
 
-from ..drawing.joint_bars import draw_body_points
-from ..drawing.overlays import LESS, MORE, link
-from ..lab.page import lab_address, lab_lacks
+from ..drawing.overlays import LESS, MORE, draw_body_points, link
 from ..model.choices import LARGE, NO_POINT, chosen_layout, layout_choices
 from ..model.page_model import PageModel
 from .panel import SLOWEST, Layout, put, put_html, put_properties
 
-REWRITTEN_EVERY = 2.0  # s: the address of the lab, which takes time
 SWITCHES = (
     ("Goal in L and R", "goal"),
     ("Rays", "rays"),
@@ -116,33 +112,6 @@ def still(layout: Layout, model: PageModel) -> None:
         put_html(picture, f'<div class="vi-flat"><svg class="vi" {box}>{drawn.inside}</svg></div>')
 
     layout.drawing(key, draw, period=SLOWEST)
-
-
-def beside(model: PageModel) -> str:
-    """Say what the lab shows of this state, and what it does not have."""
-    lacking = lab_lacks(model.snapshot)
-    if not lacking:
-        return "The lab shows the same on any screen."
-    instead = "the paper's experiment" if lab_address(model.snapshot) is None else "these poses without it"
-    return f"The lab does not have {listed(lacking)}. It opens with {instead}."
-
-
-def offer_of_the_lab(layout: Layout, model: PageModel) -> None:
-    """For a window that is too small for the instrument: the lab in the same state. layout.css shows it."""
-    offer = layout.gui.add_html("")
-
-    def draw(model: PageModel) -> None:
-        there = lab_address(model.snapshot)
-        address = html.escape((there or "/lab").removeprefix("/"))
-        words = f"This window is small for the instrument. {html.escape(beside(model))}"
-        lab, anyway = "Open the lab", "Open the instrument anyway"
-        put_html(
-            offer,
-            f'<div class="vi-small" role="dialog" aria-label="A small window"><p>{words}</p>'
-            f'<a href="{address}">{lab}</a><button type="button">{anyway}</button></div>',
-        )
-
-    layout.drawing(lambda model: (model.snapshot,), draw, period=REWRITTEN_EVERY)
 
 
 def views(layout: Layout, model: PageModel) -> None:

@@ -16,14 +16,14 @@ from typing import Any, NamedTuple
 
 from viser import ClientHandle, IconName
 
-from ..lab.engine_scene import joint_name
+from ..drawing.overlays import joint_name
 from ..lab.lessons.format import Lesson
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue
 from ..viser_private import push_input, push_property
 
 SLOW, SLOWEST = 0.2, 0.5  # s between two drawings of curves and of numbers, which nobody reads faster
-Read = Callable[[PageModel], Any]
+Read = Callable[[PageModel], Any]  # such as attrgetter("view.rays")
 Period = float | Callable[[PageModel], float]
 Look = tuple[str, IconName | None]  # a button's label and icon
 

@@ -8,8 +8,7 @@ as the images do.
 from viewimit.drawing.curves import describe_errors
 from viewimit.drawing.status import BY_PAGE, StatusMessage, describe, describe_outcome, describe_truth, draw_status
 
-from ..drawing.joint_bars import describe_body_points
-from ..drawing.overlays import describe_see_through, link
+from ..drawing.overlays import describe_body_points, describe_see_through, link
 from ..model.page_model import PageModel
 from .panel import SLOW, Layout, put_html
 

@@ -223,9 +223,9 @@ def become(model: PageModel, played: Played, now: float) -> None:
     if played.is_own:
         model.past.clear()
     begun = page.script.settings
-    same = [preset for preset in (page.preset, *model.presets.offered.values()) if usual(preset) == begun]
-    model.presets.chosen = same[0] if same else page.preset
-    if any(getattr(begun, name) != getattr(usual(page.preset), name) for name in BODIES) and not same:
+    same = next((one for one in (page.preset, *model.presets.offered.values()) if usual(one) == begun), None)
+    model.presets.chosen = same or page.preset
+    if same is None and any(getattr(begun, name) != getattr(usual(page.preset), name) for name in BODIES):
         model.presets.chosen = Preset(FROM_LINK, begun, page.speed, "As it was sent.")
     model.player.speed = page.speed
     model.tour_offered = model.tour_offered and page.offers_tour

@@ -65,12 +65,9 @@ class Row(NamedTuple):
 
 
 class Store:
-    """Reads at once, writes in batches in a thread of its own.
-
-    kept: the lecturer's settings by key, as the file had them; persons: numbers by key; rounds: all with their votes,
-    in the order in which they were asked. Raises OSError if the file cannot be opened, or is none of a class; then it
-    is not changed.
-    """
+    """Reads at once, writes in batches in a thread of its own. kept: the lecturer's settings by key, as the file had
+    them; persons: numbers by key; rounds: all with their votes, in the order in which they were asked. Raises OSError
+    if the file cannot be opened, or is none of a class; then it is not changed."""
 
     def __init__(self, path: Path):
         self.problem: str | None = None  # why the last write failed

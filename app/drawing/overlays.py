@@ -27,11 +27,8 @@ from viewimit.wording import sentences
 
 
 def link(what: str, name: str, inside: str, stop: bool = True) -> str:
-    """Build one link.
-
-    what: the action, as control/value; name: what a screen reader says; inside: HTML or SVG of the link; stop: whether
-    the Tab key stops there.
-    """
+    """Build one link. what: the action, as control/value; name: what a screen reader says; inside: HTML or SVG of the
+    link; stop: whether the Tab key stops there."""
     more = f' aria-label="{svg.escape(name)}"' if stop else ' tabindex="-1" aria-hidden="true"'
     return f'<a href="#" data-do="{what}"{more}>{inside}</a>'
 
@@ -60,9 +57,7 @@ AIM, ARM = 8, 13  # px, cross hair: radius of its ring, length of its lines
 
 def point_links(count: int, whole: bool) -> str:
     """Build links over the four images, whole or not. Tab stops at the points of L, as the other images repeat them.
-
-    Each point has two links: a circle of radius HIT, and above all of these the part where it is the nearest point.
-    """
+    Each point has two links: a circle of radius HIT, and above all of these the part where it is the nearest point."""
     inside = {}
     for k, (view, size) in enumerate(SIZES[whole].items()):
         around = "".join(_link(view, i, "vi-around") for i in range(count))
@@ -244,10 +239,8 @@ def listed() -> str:
 
 
 def current_values(values: Mapping[str, float]) -> str:
-    """Build a style that marks the present values on the cards' scales, so that open cards stay as they are.
-
-    values: by key; NaN is left out.
-    """
+    """Build a style that marks the present values on the cards' scales, so that open cards stay as they are. values: by
+    key; NaN is left out."""
     rules = []
     for key, value in values.items():
         scale = glossary()[key].scale
@@ -286,11 +279,9 @@ def joint_name(scene: Scene, joint: int) -> str:
 def draw_learner(
     scene: Scene, theta: NDArray[np.float64], theta_demo: NDArray[np.float64], assessment: Assessment | None = None
 ) -> str:
-    """Draw a bar per joint with the learner's angle, the demonstrator's mark and the gap.
-
-    theta, theta_demo: postures of both arms, (m,) rad; the learner does not know theta_demo; assessment: what the
-    learner knows of its joints: an unobservable one has a hatched band.
-    """
+    """Draw a bar per joint with the learner's angle, the demonstrator's mark and the gap. theta, theta_demo: postures
+    of both arms, (m,) rad; the learner does not know theta_demo; assessment: what the learner knows of its joints: an
+    unobservable one has a hatched band."""
     rows, columns = [], len(theta) >= MIN_IN_COLUMNS
     band = np.zeros(len(theta))
     if assessment is not None:
@@ -324,11 +315,9 @@ def _band(left: float, right: float) -> str:
 def draw_body_points(
     joints: Sequence[int], information: PointInformation, proposal: Proposal | None, searching: bool
 ) -> str:
-    """Draw what the body points tell, while they are edited: their number, flatness, and a bar per joint.
-
-    joints: numbers of the moving ones, from 1; information: what the present points tell; proposal: the best further
-    point, if it is known; searching: whether it is being computed.
-    """
+    """Draw what the body points tell, while they are edited: their number, flatness, and a bar per joint. joints:
+    numbers of the moving ones, from 1; information: what the present points tell; proposal: the best further point, if
+    it is known; searching: whether it is being computed."""
     lines = [f"<b>{_count(information)}</b>{_flatness(information)}"]
     spread = information.std_per_px
     if spread is not None:

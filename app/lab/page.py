@@ -22,12 +22,9 @@ MAX_FACES = 12_000  # of each link's mesh; the shipped robots have fewer
 
 
 def lab_page(scene: Scene | None = None, name: str = SHIPPED, ways: Ways = NO_WAYS) -> str:
-    """Return the lab as one HTML page.
-
-    scene: of the lab, by default the shipped one; presets of other scenes are then left out; name: as settings name
-    that scene; ways: where the header's verbs lead. Raises ValueError for a scene of other than two moving joints, or
-    with lenses that distort.
-    """
+    """Return the lab as one HTML page. scene: of the lab, by default the shipped one; presets of other scenes are then
+    left out; name: as settings name that scene; ways: where the header's verbs lead. Raises ValueError for a scene of
+    other than two moving joints, or with lenses that distort."""
     given = scene or load_scene(SHIPPED)
     shapes, scenes, chosen = Shapes(), {}, []
     robot = describe_robot(given.robot, shapes, MAX_FACES)
@@ -41,8 +38,7 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED, ways: Ways = NO_WA
     if scene is not None:
         chosen[0] |= {"title": given.title, "says": "Press Play, and the learner copies the pose of the demonstrator."}
     data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": describe_hulls(given.robot)}
-    parts = {"ways": header(ways, "play", with_about=False), "about": about(ways)}
-    return lab_html(TITLE, data, shapes.packed, parts=parts)
+    return lab_html(TITLE, data, shapes.packed, ways=header(ways, "play", with_about=False), about=about(ways))
 
 
 def _offered(scene: Scene | None) -> list[Preset]:

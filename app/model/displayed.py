@@ -170,14 +170,12 @@ class BuildingUp:
 
 @dataclass(frozen=True, eq=False)
 class Displayed:
-    """What a page displays at one time. Drawings read it and change nothing.
-
-    present: the session's snapshot; image_snapshot, scene_snapshot: what the four images show, and what all else does;
-    pictures: JPEGs by view, of those that were taken; interpolated_theta: (m,) rad, where the arm is shown while it
-    moves, None where it rests; preview: what would be seen at another posture, which then is displayed too; playback: a
-    sentence on an imitation that is displayed instead of the session; stage: up to which the chosen point's
-    construction is shown, None for all of it.
-    """
+    """What a page displays at one time. Drawings read it and change nothing. present: the session's snapshot;
+    image_snapshot, scene_snapshot: what the four images show, and what all else does; pictures: JPEGs by view, of those
+    that were taken; interpolated_theta: (m,) rad, where the arm is shown while it moves, None where it rests; preview:
+    what would be seen at another posture, which then is displayed too; playback: a sentence on an imitation that is
+    displayed instead of the session; stage: up to which the chosen point's construction is shown, None for all of
+    it."""
 
     session: Session
     present: Snapshot

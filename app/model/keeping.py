@@ -136,10 +136,8 @@ class Kept(msgspec.Struct):
 
 
 class Keeper:
-    """Sends a page's tab the query that it stores, after the tab has handed back the one that it had.
-
-    send: takes `Kept` as JSON.
-    """
+    """Sends a page's tab the query that it stores, after the tab has handed back the one that it had. send: takes
+    `Kept` as JSON."""
 
     def __init__(self, model: PageModel, send: Callable[[str], None]):
         self._model, self._send = model, send
@@ -189,10 +187,8 @@ DIGITS = 2  # of an angle in degrees
 
 
 def lab_address(now: Snapshot) -> str | None:
-    """Return the lab's path and fragment for a moment; None for a scene that the lab does not have.
-
-    A servo or a transfer that the lab does not have is left to its default there; `lab_lacks` says so.
-    """
+    """Return the lab's path and fragment for a moment; None for a scene that the lab does not have. A servo or a
+    transfer that the lab does not have is left to its default there; `lab_lacks` says so."""
     settings, found, methods = now.settings, _presets_of(now), lab_methods()
     if not found or _own_bodies(now) or settings.sensor != "projected":
         return None

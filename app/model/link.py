@@ -88,11 +88,8 @@ class Linked(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def read_link(query: str, begun: Settings) -> Linked:
-    """Read a query.
-
-    begun: what the server was started with, whose scene file a link may name, and against which a link without a preset
-    is read. Raises ValueError, in one line, for what is not understood or not allowed.
-    """
+    """Read a query. begun: what the server was started with, whose scene file a link may name, and against which a link
+    without a preset is read. Raises ValueError, in one line, for what is not understood or not allowed."""
     pairs = link.split(query)
     page, script_pairs = dict[str, str](), list[tuple[str, str]]()
     for name, text in pairs:
@@ -237,10 +234,8 @@ MAX_S = 30.0  # that scripts may take
 
 @dataclass(eq=False)
 class Played:
-    """What a link holds, and its sessions as far as they are played.
-
-    is_own: it is what the page's own tab has kept; camera: renders the pictures; error: why they are not played.
-    """
+    """What a link holds, and its sessions as far as they are played. is_own: it is what the page's own tab has kept;
+    camera: renders the pictures; error: why they are not played."""
 
     page: Linked
     is_own: bool
@@ -272,11 +267,8 @@ class Played:
 
 
 class Following:
-    """The saved page that a page becomes, if any.
-
-    goes_on: a script is still played; restores: it is what the page's own tab has kept, before which nothing else
-    counts.
-    """
+    """The saved page that a page becomes, if any. goes_on: a script is still played; restores: it is what the page's
+    own tab has kept, before which nothing else counts."""
 
     def __init__(self, services: Services, queue: CommandQueue):
         self._services, self._queue = services, queue

@@ -32,11 +32,9 @@ FILE = "viewimit-motion.json"
 
 
 class Motions:
-    """A made-up motion goes about the posture that the demonstrator has.
-
-    pose(theta): moves the demonstrator; run_in_background(make, take): make what takes long, then take it in the page's
-    own time; send(name, data): a file for the visitor.
-    """
+    """A made-up motion goes about the posture that the demonstrator has. pose(theta): moves the demonstrator;
+    run_in_background(make, take): make what takes long, then take it in the page's own time; send(name, data): a file
+    for the visitor."""
 
     def __init__(
         self,

@@ -34,13 +34,10 @@ class Saved(NamedTuple):
 
 
 class PageModel:
-    """settings: what its session begins with; send(name, data): a file for the visitor.
-
-    generation: how often the world was replaced or the session restarted; inputs: how many of the visitor's commands
-    were applied or rejected, after each of which widgets are written again;
-    tour_offered: to a first visitor; eye(): that looks at the 3-D scene, as the page knows it;
-    is_kept: the page's tab keeps what it is sent of it; unsaved: whether the tab cannot keep it.
-    """
+    """settings: what its session begins with; send(name, data): a file for the visitor. generation: how often the world
+    was replaced or the session restarted; inputs: how many of the visitor's commands were applied or rejected, after
+    each of which widgets are written again; tour_offered: to a first visitor; eye(): that looks at the 3-D scene, as
+    the page knows it; is_kept: the page's tab keeps what it is sent of it; unsaved: whether the tab cannot keep it."""
 
     def __init__(
         self,
@@ -156,10 +153,8 @@ class Redraw:
         self._at: dict[Hashable, float] = {}
 
     def due(self, what: Hashable, now: float, period: float) -> bool:
-        """Return whether a period, s, has passed since this was last due.
-
-        A call late by less than a period does not delay those after it.
-        """
+        """Return whether a period, s, has passed since this was last due. A call late by less than a period does not
+        delay those after it."""
         at = self._at.get(what, -np.inf)
         if now - at < EARLY * period:
             return False

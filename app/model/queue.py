@@ -18,14 +18,12 @@ Function = TypeVar("Function", bound=Callable[..., None])
 
 @dataclass(eq=False, kw_only=True)
 class Entry:
-    """An entry of a page's queue.
-
-    apply(model, now): carries it out on a `PageModel` at a time, s; raises ValueError, in words for the visitor. moves:
-    it moves, poses or observes, which takes long with camera images; order_independent: it may be applied before or
-    after any other entry; cancels: it ends the computation that others wait for; coalesce_key: of entries with the same
-    key the newest is enough, None: each counts; sender: the control that it came from; camera(model): whether it will
-    ask for camera images; is_made: by a worker, not by the visitor.
-    """
+    """An entry of a page's queue. apply(model, now): carries it out on a `PageModel` at a time, s; raises ValueError,
+    in words for the visitor. moves: it moves, poses or observes, which takes long with camera images;
+    order_independent: it may be applied before or after any other entry; cancels: it ends the computation that others
+    wait for; coalesce_key: of entries with the same key the newest is enough, None: each counts; sender: the control
+    that it came from; camera(model): whether it will ask for camera images; is_made: by a worker, not by the
+    visitor."""
 
     apply: Callable[[Any, float], None]
     moves: bool = False
@@ -38,13 +36,11 @@ class Entry:
 
 
 class Command:
-    """What a visitor can do; panels, keys and links call it by its name.
-
-    parsers: by parameter, what a browser's value stands for; each raises ValueError if it stands for none; latest:
-    calls that differ in their last argument alone are values of one control, of which the newest is enough; link: links
-    of the drawings and the page's script may call it; camera: called as `function`, whether it will ask for camera
-    images; how: moves, order_independent, cancels, as of `Entry`.
-    """
+    """What a visitor can do; panels, keys and links call it by its name. parsers: by parameter, what a browser's value
+    stands for; each raises ValueError if it stands for none; latest: calls that differ in their last argument alone are
+    values of one control, of which the newest is enough; link: links of the drawings and the page's script may call it;
+    camera: called as `function`, whether it will ask for camera images; how: moves, order_independent, cancels, as of
+    `Entry`."""
 
     def __init__(
         self,
@@ -84,13 +80,10 @@ def add(name: str, function: Callable[..., None], *parsers: Callable[[Any], Any]
 
 
 def command(name: str, **options: Any) -> Callable[[Function], Function]:
-    """Register a function of the page's model and of typed parameters as a command.
-
-    What a browser sends for a parameter is checked by its annotation: `int` and `float` take finite numbers, `bool` a
-    checkbox, `str` any text, and `Annotated[T, parse]` what `parse` accepts, which raises ValueError, in words for the
-    visitor, for all else. A keyword-only parameter `now` is given the time in seconds. Raises ValueError for another
-    annotation.
-    """
+    """Register a function of the page's model and of typed parameters as a command. What a browser sends for a
+    parameter is checked by its annotation: `int` and `float` take finite numbers, `bool` a checkbox, `str` any text,
+    and `Annotated[T, parse]` what `parse` accepts, which raises ValueError, in words for the visitor, for all else. A
+    keyword-only parameter `now` is given the time in seconds. Raises ValueError for another annotation."""
 
     def register(function: Function) -> Function:
         hints = get_type_hints(function, include_extras=True)
@@ -112,9 +105,7 @@ def _parser(name: str, parameter: str, hint: Any) -> Callable[[Any], Any]:
 class CommandQueue:
     """Any thread puts, the scheduler takes. Of one control the newest value wins, unless an action lies between:
     "slider, then reset" and "reset, then slider" are two things; a hundred values of one dragged slider are one.
-
-    commands: by name, those that may be called.
-    """
+    commands: by name, those that may be called."""
 
     def __init__(self, commands: Mapping[str, Command]):
         self.commands = commands
@@ -178,9 +169,7 @@ class CommandQueue:
 
     def take_order_independent(self, cancelling: bool = False) -> list[Entry]:
         """While nothing may move: take the entries before the first that moves, and the order-independent ones.
-
-        cancelling: also what ends the computation that the rest waits for.
-        """
+        cancelling: also what ends the computation that the rest waits for."""
         taken: list[Entry] = []
         waiting: list[Entry] = []
         blocked = False
@@ -290,10 +279,8 @@ def text(value: object) -> str:
 
 
 def one_of(options: Any, refusal: str) -> Callable[[object], Any]:
-    """Return a parser that takes a name of `options`, and returns what it stands for, or itself.
-
-    options: a mapping, names, or a function that returns one of both; refusal: {value} stands for what came.
-    """
+    """Return a parser that takes a name of `options`, and returns what it stands for, or itself. options: a mapping,
+    names, or a function that returns one of both; refusal: {value} stands for what came."""
 
     def parse(value: object) -> Any:
         names = options() if callable(options) else options

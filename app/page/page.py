@@ -151,10 +151,8 @@ class Page:
 
 
 class CommandLoop:
-    """tick(now, budget) ends a turn, begins the next, or does meanwhile what need not wait.
-
-    announce_pictures(): the first camera images are about to be waited for; clock: s, by which commands are timed.
-    """
+    """tick(now, budget) ends a turn, begins the next, or does meanwhile what need not wait. announce_pictures(): the
+    first camera images are about to be waited for; clock: s, by which commands are timed."""
 
     def __init__(
         self,
@@ -260,10 +258,8 @@ class CommandLoop:
 
 
 class Background:
-    """Runs one turn at a time in a thread.
-
-    busy: a turn runs, or `end` has not reported its end; alone: the turn changes the session, so do not read it.
-    """
+    """Runs one turn at a time in a thread. busy: a turn runs, or `end` has not reported its end; alone: the turn
+    changes the session, so do not read it."""
 
     def __init__(self):
         self._turn: Future | None = None

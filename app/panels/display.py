@@ -130,10 +130,8 @@ def _tab(name: str, label: str, checked: bool) -> str:
 
 
 def enlarge(layout: Layout, model: PageModel) -> None:
-    """Declare the large panel, and the links that enlarge one, in every tab of the upper panel.
-
-    A browser has only the open tab's widgets. To be built after all tabs.
-    """
+    """Declare the large panel, and the links that enlarge one, in every tab of the upper panel. A browser has only the
+    open tab's widgets. To be built after all tabs."""
     for tab in layout.upper_tabs:
         with tab:
             layout.html(lambda model: _enlarge_links(model.view.large, model.view.details))

@@ -39,12 +39,10 @@ class ClientInfo(NamedTuple):
 
 @dataclass(eq=False)
 class Drawing:
-    """A part of a page that is drawn whenever one of the values it depends on has changed.
-
-    kind: panel and number, the same on all pages; tab: in which it stands, "" for none; it is not drawn while that is
-    not open; key: the values that it depends on, of snapshots their identity; draw: writes what differs; period: s at
-    least between two drawings, 0: as often as the page looks for changes at all.
-    """
+    """A part of a page that is drawn whenever one of the values it depends on has changed. kind: panel and number, the
+    same on all pages; tab: in which it stands, "" for none; it is not drawn while that is not open; key: the values
+    that it depends on, of snapshots their identity; draw: writes what differs; period: s at least between two drawings,
+    0: as often as the page looks for changes at all."""
 
     kind: Hashable
     tab: str
@@ -83,9 +81,7 @@ class Controls:
 
 class Layout:
     """The widgets and drawings of one page: the left panel, which is `gui` itself, and the right ones with their tabs.
-
-    drawings: those that the panels have declared, in their order; named: widgets that the page must find again.
-    """
+    drawings: those that the panels have declared, in their order; named: widgets that the page must find again."""
 
     def __init__(self, client: ClientHandle, queue: CommandQueue, info: ClientInfo | None = None):
         self.client, self.gui, self.queue, self.info = client, client.gui, queue, info or ClientInfo()
@@ -271,11 +267,8 @@ class Layout:
 
 
 class JointSliders:
-    """One slider for each joint that moves, made again for each world.
-
-    name: of each, {joint} stands for its joint; command: called with the number of the joint, counted among those that
-    move, and its angle in degrees.
-    """
+    """One slider for each joint that moves, made again for each world. name: of each, {joint} stands for its joint;
+    command: called with the number of the joint, counted among those that move, and its angle in degrees."""
 
     def __init__(
         self, layout: Layout, inside: AbstractContextManager, name: str, command: str, hint: str | None = None

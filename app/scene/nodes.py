@@ -17,11 +17,9 @@ Node = TypeVar("Node", bound=SceneNodeHandle)
 
 
 class Nodes:
-    """`begin` a world, `keep` each node as it is added, then `end`, which hides what has not come again.
-
-    Nothing is removed: viser sends every pose of a node that takes another's place under its name. Where one is removed
-    and comes again before the browser has heard of it, it sends no pose that is the default, and the old one stays.
-    """
+    """`begin` a world, `keep` each node as it is added, then `end`, which hides what has not come again. Nothing is
+    removed: viser sends every pose of a node that takes another's place under its name. Where one is removed and comes
+    again before the browser has heard of it, it sends no pose that is the default, and the old one stays."""
 
     def __init__(self) -> None:
         self._of_before: dict[str, SceneNodeHandle] = {}

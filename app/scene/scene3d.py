@@ -46,9 +46,7 @@ def share_light(server: ViserServer) -> None:
 
 class Scene3D:
     """`build` for a world, then `arms.draw` and `show` as often as needed; `build` again for another world.
-
-    share(robot, arm): puts its meshes on the server's scene, before they are first shown.
-    """
+    share(robot, arm): puts its meshes on the server's scene, before they are first shown."""
 
     def __init__(self, client: ClientHandle, queue: CommandQueue, share: Callable[[str, str], None]):
         self._client, self._queue = client, queue
@@ -298,12 +296,10 @@ REACH = 0.02  # of the canvas's height that a click may be off: a fingertip, 12 
 def picked(
     points: NDArray, radius: NDArray, origin: NDArray, direction: NDArray, fov: float, surface: float = np.inf
 ) -> int | None:
-    """Index of the one of (k, 3) points that a click at this ray means, None if all are too far from it.
-
-    radius: (k,) m, as they are drawn; origin (3,) m, direction (3,): the ray; fov: rad, of the canvas's height;
-    surface: m from the origin, where the ray ends: drawings behind that are hidden.
-    Of points that are drawn under the click it is the one nearest to the eye, else the one nearest to the click.
-    """
+    """Index of the one of (k, 3) points that a click at this ray means, None if all are too far from it. radius: (k,)
+    m, as they are drawn; origin (3,) m, direction (3,): the ray; fov: rad, of the canvas's height; surface: m from the
+    origin, where the ray ends: drawings behind that are hidden. Of points that are drawn under the click it is the one
+    nearest to the eye, else the one nearest to the click."""
     away = points - origin
     depth = away @ (direction / np.linalg.norm(direction))
     offset = np.sqrt(np.maximum((away**2).sum(-1) - depth**2, 0))

@@ -34,8 +34,7 @@ NO_SEAT = "All seats are taken ({why}). This page tries again every few seconds;
 
 class AccessControl:
     """`serve` stands for websockets' own. origins: pages elsewhere that may connect, as scheme://host:port; lab: pages
-    of the lab, itself "", lessons by name.
-    """
+    of the lab, itself "", lessons by name."""
 
     def __init__(self, limits: Limits, origins: Iterable[str], lab: Callable[[str], str | None] = lambda lesson: None):
         self._lab = lab

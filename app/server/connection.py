@@ -23,11 +23,8 @@ log = logging.getLogger(__name__)
 
 
 class GuardedConnection(Connection):
-    """A connection whose `recv` returns messages that were checked only.
-
-    client: viser's of it, from the first view on; seats: those that are taken; belongs_to_another(uuid): whether
-    another client has such a widget.
-    """
+    """A connection whose `recv` returns messages that were checked only. client: viser's of it, from the first view on;
+    seats: those that are taken; belongs_to_another(uuid): whether another client has such a widget."""
 
     client: ClientHandle | None = None
 
@@ -98,8 +95,8 @@ class GuardedConnection(Connection):
         message = messages.read(raw)
         if self._validator is None:
             if self.client is None:
-                if not isinstance(message, messages.ViewerCameraMessage):
-                    raise Hostile(f"{type(message).__name__} before the first view")
+                if message.type != "ViewerCameraMessage":
+                    raise Hostile(f"{message.type} before the first view")
                 return
             self._validator = MessageValidator(self.client, self._belongs_to_another)
             if self._starts is not None:

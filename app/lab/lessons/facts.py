@@ -55,10 +55,8 @@ def compute(
     situation: Situation, measures: Iterable[str], figures: Iterable[str] = ()
 ) -> tuple[dict[str, dict[str, Any]], dict[str, Any]]:
     """Compute the facts {measure: {"value", "unit", "text"}} and the records {name: plain data for JSON} of a step.
-
     situation: the step's fixed state, or one that was sampled; measures: names in braces and of the question, of which
-    those that the browser computes are left out; figures: names of the step's figures.
-    """
+    those that the browser computes are left out; figures: names of the step's figures."""
     facts = {name: FACTS[name].tell(situation) for name in measures if name in FACTS}
     names = {record for figure in figures for record in FIGURE_RECORDS.get(figure, ())}
     names |= {"races"} if situation.race else set()

@@ -42,13 +42,10 @@ def lesson_page(
     lab: tuple[str, str | None] = (SHIPPED, None),
     ways: Ways = NO_WAYS,
 ) -> str:
-    """Return lessons, by name in their order, as one HTML page.
-
-    entry: the module that runs, a path in app/lab/; more_styles: CSS after the page's own; others: lessons that are
-    served beside this page, to which it then has links by name; lab: scene and robot of the lab beside it, as
-    settings name them; ways: where the header's verbs lead. Raises ValueError for lessons of more than one robot,
-    or a scene that the lab cannot compute.
-    """
+    """Return lessons, by name in their order, as one HTML page. entry: the module that runs, a path in app/lab/;
+    more_styles: CSS after the page's own; others: lessons that are served beside this page, to which it then has links
+    by name; lab: scene and robot of the lab beside it, as settings name them; ways: where the header's verbs lead.
+    Raises ValueError for lessons of more than one robot, or a scene that the lab cannot compute."""
     first = next(iter(lessons.values()))
     data = json.dumps(page_data(lessons, others, lab), separators=(",", ":"), allow_nan=False)
     title = f"{first.title} · viewimit" if len(lessons) == 1 else "Lessons · viewimit"
@@ -121,11 +118,9 @@ def terms() -> dict[str, str]:
 
 
 class LabPages:
-    """The pages of the lab on a server: the lab itself, and each lesson when it is asked for first.
-
-    scene, robot: of the lab, as settings name them; own: lessons of a lecturer by name, beside the shipped ones, whose
-    pages are computed at once, which takes seconds.
-    """
+    """The pages of the lab on a server: the lab itself, and each lesson when it is asked for first. scene, robot: of
+    the lab, as settings name them; own: lessons of a lecturer by name, beside the shipped ones, whose pages are
+    computed at once, which takes seconds."""
 
     def __init__(self, scene: str = SHIPPED, robot: str | None = None, own: Mapping[str, Lesson] | None = None):
         self.lessons: Mapping[str, Lesson] = {**(own or {}), **shipped()}

@@ -179,10 +179,8 @@ def _moved_cameras(situation: Situation, slider: str, value: float) -> list[dict
 
 
 def _away(scene: Scene, times: float) -> list[dict[str, Any]]:
-    """Move cameras away from what they look at, and multiply their focal lengths by the same factor.
-
-    Each pair moves by itself, which no head does: the step is about two cameras that look at one body.
-    """
+    """Move cameras away from what they look at, and multiply their focal lengths by the same factor. Each pair moves by
+    itself, which no head does: the step is about two cameras that look at one body."""
     cameras = engine_scene(scene)["cameras"]
     gazes = np.array([scene.head.gaze_demonstrator] * 2 + [scene.head.gaze_learner] * 2)
     for camera, gaze in zip(cameras, gazes):

@@ -414,7 +414,8 @@ class Room:
 
     async def _saved(self, browser: Browser) -> list[Row]:
         """Return all answers that are on the disk, and tell the browser how many are not."""
-        rows = await self.store.saved()
+        await self.store.flush()
+        rows = await asyncio.to_thread(self.store.answers)
         if self.store.problem is not None:
             what = f"Number of answers missing here: {self.store.unsaved}, as {self.store.problem}"
             browser.send(p.encode("done", what=what))

@@ -153,21 +153,17 @@ class Store:
             self._add("insert or replace into kept values (?, ?)", (key, value))
 
     def add_person(self, key: str, number: int) -> None:
-        """Write a person's number."""
         self._add("insert or replace into persons values (?, ?)", (key, number))
 
     def add_round(self, asked: Round) -> None:
-        """Write that a question was asked."""
         row = asked.number, asked.lesson, asked.step, asked.phase, asked.times
         self._add("insert or replace into rounds values (?, ?, ?, ?, ?)", row)
 
     def add_answer(self, row: Row, done: Callable[[], None]) -> None:
         """Write an answer over the voter's earlier one, and call `done` once it is on the disk."""
-        vote = row.vote
-        answer = msgspec.json.encode(vote.answer).decode()
-        values = *row[:6], answer, vote.right, vote.sure, vote.seconds, vote.place
+        vote, answer = row.vote, msgspec.json.encode(row.vote.answer).decode()
         self._done.append(done)
-        self._add(ADD_ANSWER, values)
+        self._add(ADD_ANSWER, (*row[:6], answer, vote.right, vote.sure, vote.seconds, vote.place))
 
     def drop_answers(self, round: int, voters: Iterable[str]) -> None:
         """Delete these voters' answers of a round."""
@@ -181,8 +177,10 @@ class Store:
 
     def unlink(self, person: str, token: str) -> None:
         """Let none of a person's answers tell whose it is, nor which others are the same person's."""
-        change = "update answers set voter = unlinked(?, lesson, step, phase), person = null where voter = ?"
-        self._add(change, (token, person))
+        self._add(
+            "update answers set voter = unlinked(?, lesson, step, phase), person = null where voter = ?",
+            (token, person),
+        )
         self._add("delete from persons where key = ?", (person,))
 
     def clear(self) -> None:
@@ -225,11 +223,6 @@ class Store:
             self._tried.append(tried.set)
             self._wake.set()
             await tried.wait()
-
-    async def saved(self) -> list[Row]:
-        """Return all answers that are written, after those that wait, unless writes fail."""
-        await self.flush()
-        return await asyncio.to_thread(self.answers)
 
     @property
     def unsaved(self) -> int:

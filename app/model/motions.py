@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,19 +45,14 @@ class Motions:
         send: Callable[[str, bytes], None],
         clock: Callable[[], float] = time.monotonic,
     ):
-        self._session, self._pose, self._run_in_background, self._send, self._clock = (
-            session,
-            pose,
-            run_in_background,
-            send,
-            clock,
-        )
+        self._session, self._pose, self._clock = session, pose, clock
+        self._run_in_background, self._send = run_in_background, send
         self.name = next(iter(NAMES))
         self.recorded: Motion | None = None
         self.recorder: Recorder | None = None
         self.shown: Playback | None = None
         self._at: NDArray | None = None  # posture that the motion shown has put the demonstrator in
-        self._then: Callable[[Playback], None] | None = None  # what waits for a motion that is being made
+        self._then: Callable[[Playback], Any] | None = None  # what waits for a motion that is being made
         self._scene = session.scene
 
     @property
@@ -71,25 +67,25 @@ class Motions:
     @property
     def moment(self) -> tuple[float, float]:
         """The time that is shown, and when the motion ends, s; the time is one of a frame."""
-        if self.shown is not None:
-            return _seconds(round(self.shown.frame), self.step_s), _seconds(self.shown.last, self.step_s)
-        if self.name == RECORDED and self.recorded is not None:
-            return 0.0, _seconds(len(self.recorded.theta_deg) - 1, self.step_s)
-        return 0.0, _seconds(FRAMES - 1, self.step_s)
+        frame = 0 if self.shown is None else round(self.shown.frame)
+        last = FRAMES - 1 if (known := self._known) is None else len(known.theta_deg) - 1
+        return round(frame * self.step_s, 6), round(last * self.step_s, 6)  # without what multiplication adds
 
     @property
     def step_s(self) -> float:
         """Between two frames of the chosen motion."""
-        if self.shown is not None:
-            return self.shown.motion.step_s
-        return self.recorded.step_s if self.name == RECORDED and self.recorded is not None else STEP_S
+        return STEP_S if (known := self._known) is None else known.step_s
+
+    @property
+    def _known(self) -> Motion | None:
+        """The chosen motion; None for one that is still to be made."""
+        return self.shown.motion if self.shown is not None else self.recorded if self.name == RECORDED else None
 
     def describe(self) -> tuple[str, str]:
         """State and sentence, as the line under the scene has them."""
         if self.recorder is not None:
-            if self.recorder.seconds == 0:
-                return "recording", "move the demonstrator by its sliders or its hand."
-            return "recording", f"{self.recorder.seconds:.1f} s of the demonstrator's motion."
+            waits = "move the demonstrator by its sliders or its hand."
+            return "recording", f"{s:.1f} s of the demonstrator's motion." if (s := self.recorder.seconds) else waits
         if (played := self._played) is not None:
             now, last = self.moment
             return "replaying", f"{self._title(played.motion)}, {now:.1f} of {last:.1f} s."
@@ -145,13 +141,8 @@ class Motions:
         self._require_no_recording()
         if (played := self._played) is not None:
             played.pause()
-            return
-
-        def go(shown: Playback) -> None:
-            shown.play(self._clock())
-            self._show(shown)
-
-        self._with_motion(go)
+        else:
+            self._with_motion(lambda shown: (shown.play(self._clock()), self._show(shown)))
 
     def scrub(self, seconds: float) -> None:
         """Show the frame at that time."""
@@ -189,7 +180,7 @@ class Motions:
             self.shown, self._at, self._scene = Playback(found), theta, scene
             then(self.shown)
 
-    def _with_motion(self, then: Callable[[Playback], None]) -> None:
+    def _with_motion(self, then: Callable[[Playback], Any]) -> None:
         """Do this with the chosen motion, at once or as soon as it is made."""
         session, here = self._session, self._session.snapshot.theta_demo
         if self.name == RECORDED:
@@ -233,16 +224,9 @@ class Motions:
             raise ValueError("a motion is being recorded: stop that first")
 
 
-def _seconds(frame: int, step_s: float) -> float:
-    """Without what multiplication adds."""
-    return round(frame * step_s, 6)
-
-
-# Recording and replaying in real time. `now`: any clock, s
-
-
 class Recorder:
-    """Postures of the demonstrator as they are sampled, and when. The motion begins with the first movement."""
+    """Postures of the demonstrator as they are sampled, and when, in real time. The motion begins with the first
+    movement. now: any clock, s"""
 
     def __init__(self, scene: Scene, theta: NDArray, now: float):
         self._scene = scene

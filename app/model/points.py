@@ -132,17 +132,18 @@ class PointEditing:
     def shown(self) -> EditedPoints:
         """What a page shows of it; the same object until something changes."""
         now = self._session.snapshot
-        key = self.on, now if self.on else None, self.proposal, self._searching
+        if not self.on:
+            return NOT_EDITED
+        key = now, self.proposal, self._searching
         if len(self._shown[0]) != len(key) or any(one is not other for one, other in zip(key, self._shown[0])):
-            self._shown = key, self._seen(now) if self.on else NOT_EDITED
+            self._shown = key, self._seen(*key)
         return self._shown[1]
 
-    def _seen(self, now: Snapshot) -> EditedPoints:
-        world, proposal = self._session.world, self.proposal
-        information, images = point_information(world, now), None
+    def _seen(self, now: Snapshot, proposal: Proposal | None, searching: bool) -> EditedPoints:
+        world, images = self._session.world, None
         if proposal is not None:
             images = World(world.scene, robot=world.robot, body=proposal.point).look(now.theta_demo, now.theta)
-        return EditedPoints(True, information, proposal, images, self._searching)
+        return EditedPoints(True, point_information(world, now), proposal, images, searching)
 
     def save(self) -> None:
         """The scene as it is, with the points by hand alone if there are any; of a URDF no folder of the server's."""

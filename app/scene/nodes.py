@@ -1,7 +1,7 @@
 """The nodes of one page's scene, from world to world."""
 
 from functools import lru_cache
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,8 @@ from viser.transforms import SO3
 from viewimit.drawing.theme import rgb
 from viewimit.simulation.scene_geometry import default_view
 
+ON_SCREEN: dict[str, Any] = {"thickness_units": "screen"}  # lines whose thickness is in px
+UNLIT: dict[str, Any] = {"cast_shadow": False, "receive_shadow": False}
 Node = TypeVar("Node", bound=SceneNodeHandle)
 
 
@@ -57,10 +59,8 @@ def linear(colour: ArrayLike) -> NDArray:
 
 # Words in the 3-D scene. viser's own labels are black on white in every colour scheme; these have a role's colour.
 
-FONT = ImageFont.truetype(
-    str(ROOT / "fonts" / "Inter-SemiBold.ttf"), 40
-)  # px a line, twice the width that is seen at a pixel ratio of 1
-
+# 40 px a line: twice the width that is seen at a pixel ratio of 1
+FONT = ImageFont.truetype(str(ROOT / "fonts" / "Inter-SemiBold.ttf"), 40)
 TEXT_ROLES = {"demonstrator": "demonstrator-edge", "learner": "learner"}  # that can be read
 
 
@@ -69,19 +69,9 @@ def add_text(
 ) -> ImageHandle:
     """In the colour of an arm's role, turned to who looks from where the default view does. position: (3,) m, its
     middle; line: m, the height of a line."""
-    picture = lettering(text, rgb(TEXT_ROLES[role], dark))
-    height, width, _ = picture.shape
-    return scene.add_image(
-        node,
-        picture,
-        line * width / height,
-        line,
-        format="png",
-        cast_shadow=False,
-        receive_shadow=False,
-        wxyz=quaternion(default_view()),
-        position=position,
-    )
+    picture, turn = lettering(text, rgb(TEXT_ROLES[role], dark)), quaternion(default_view())
+    width = line * picture.shape[1] / picture.shape[0]
+    return scene.add_image(node, picture, width, line, format="png", wxyz=turn, position=position, **UNLIT)
 
 
 @lru_cache(64)

@@ -19,7 +19,7 @@ from ..page import NO_WAYS, SHIPPED, served_page, served_scenes, with_few_points
 from ..replay import bundle, packed, styles, with_policy
 from .format import Lesson
 from .source import ORDER, questions, shipped
-from .step_data import Scenes, items_with_facts, lesson_data, situation_of
+from .step_data import TOLD, Scenes, items_with_facts, lesson_data, situation_of
 
 HERE = Path(__file__).parent
 ENTRY = "lessons/lesson.js"
@@ -49,7 +49,7 @@ def lesson_page(
     first = next(iter(lessons.values()))
     data = json.dumps(page_data(lessons, others, lab), separators=(",", ":"), allow_nan=False)
     title = f"{first.title} · viewimit" if len(lessons) == 1 else "Lessons · viewimit"
-    page = _template().substitute(
+    page = Template(HERE.joinpath("lesson.html").read_text("utf-8")).substitute(
         version=html.escape(__version__),
         title=html.escape(title),
         about=html.escape(first.about),
@@ -68,20 +68,16 @@ def page_data(
     lab: tuple[str, str | None] = (SHIPPED, None),
 ) -> dict[str, Any]:
     """Return what the page's script reads: hulls, scenes, glossary, catalogue and lessons."""
-    scenes = Scenes()
-    plain = [lesson_data(name, lesson, scenes) for name, lesson in lessons.items()]
-    for one, lesson in zip(plain, lessons.values()):
-        one["questions"] = items_with_facts(questions().item) if lesson.questions else None
+    scenes, plain = Scenes(), []
+    for name, lesson in lessons.items():
+        asked = items_with_facts(questions().item) if lesson.questions else None
+        plain.append({**lesson_data(name, lesson, scenes), "questions": asked})
     catalogue = [
-        {
-            **{"name": name, "title": lesson.title, "short": lesson.short, "about": lesson.about},
-            **{"afterwards": lesson.afterwards, "minutes": lesson.minutes, "here": name in lessons},
-        }
+        {"name": name, "here": name in lessons, **{key: getattr(lesson, key) for key in TOLD}}
         for name, lesson in {**(others or {}), **lessons}.items()
     ]
-    robot = _robot_of(lessons.values())
     return {
-        "hulls": describe_hulls(robot),
+        "hulls": describe_hulls(_robot_of(lessons.values())),
         "scenes": {key: _with_links(scene, lab) for key, scene in scenes.items()},
         "glossary": terms(),
         "catalogue": sorted(catalogue, key=lambda one: ORDER.index(one["name"]) if one["name"] in ORDER else -1),
@@ -140,11 +136,5 @@ class LabPages:
             return self._pages[name]
 
     def _write(self, name: str) -> str:
-        return lesson_page(
-            {name: self.lessons[name]}, others=self.lessons, lab=self._lab, ways=Ways.served("../", ORDER[0])
-        )
-
-
-@cache
-def _template() -> Template:
-    return Template(HERE.joinpath("lesson.html").read_text("utf-8"))
+        ways = Ways.served("../", ORDER[0])
+        return lesson_page({name: self.lessons[name]}, others=self.lessons, lab=self._lab, ways=ways)

@@ -12,14 +12,8 @@ from .protocol import Given
 QUESTIONS = "questions"  # the form of the eight questions
 Asks: TypeAlias = Mapping[tuple[str, str], Ask]  # by lesson and step
 FIELD = {
-    Choice: "choice",
-    Place: "place",
-    Pose: "posture",
-    Number: "number",
-    Do: "number",
-    Predict: "values",
-    Bet: "values",
-}
+    Choice: "choice", Place: "place", Pose: "posture", Number: "number", Do: "number", Predict: "values", Bet: "values",
+}  # fmt: skip
 
 
 def asks_of(lessons: Mapping[str, Lesson]) -> Asks:

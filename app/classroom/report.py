@@ -90,14 +90,8 @@ def learned(rows: Iterable[Row]) -> Learned:
     gains = gains[np.isfinite(gains)]
     low, high = np.percentile(gains, INTERVAL_PERCENT) if len(gains) else (np.nan, np.nan)
     gain = _gain(sums.sum(0)[None])[0]
-    return Learned(
-        len(persons),
-        True,
-        _items(pairs),
-        float(before / total),
-        float(after / total),
-        *(float(value) if np.isfinite(value) else None for value in (gain, low, high)),
-    )
+    found = (float(value) if np.isfinite(value) else None for value in (gain, low, high))
+    return Learned(len(persons), True, _items(pairs), float(before / total), float(after / total), *found)
 
 
 def _items(pairs: dict[tuple[int, str], dict[str, bool]]) -> tuple[Item, ...]:

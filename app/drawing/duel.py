@@ -92,17 +92,10 @@ def draw_errors(standings: Sequence[Standing]) -> str:
     low, high = decades(everything, 0.1, 10.0)
     last = max(4, *(len(each) - 1 for each in errors))
     plot = Axes((LEFT, TOP + 19, WIDTH - 8, TOP + MAX_HEIGHT), (0, last), (low, high), up=log10)
-    ticks = sorted({0, last // 2, last})
-    parts = [
-        plot.frame(
-            "Largest joint error",
-            "log, over the steps",
-            [(tick, str(tick)) for tick in ticks],
-            [(value, f"{words}°") for value, words in decade_ticks(low, high, 3)],
-            LEFT,
-        ),
-        plot.level(ARRIVED_DEG, "vi-cursor"),
-    ]
+    steps = [(tick, str(tick)) for tick in sorted({0, last // 2, last})]
+    degrees = [(value, f"{words}°") for value, words in decade_ticks(low, high, 3)]
+    parts = [plot.frame("Largest joint error", "log, over the steps", steps, degrees, LEFT)]
+    parts.append(plot.level(ARRIVED_DEG, "vi-cursor"))
     for k in (1, 0):
         kept = svg.thinned(len(errors[k]), MAX_VERTICES)
         x, y = np.array(kept, float), np.maximum(errors[k][list(kept)], MIN_ERROR_DEG)
@@ -161,10 +154,8 @@ def _words(standing: Standing, k: int) -> str:
     ]
     for left, (label, value, unit) in zip(COLUMNS, figures):
         parts.append(svg.text(x + left, y, label, "vi-2nd"))
-        parts.append(
-            f'<text x="{x + left}" y="{y + 20}"><tspan class="vi-big">{value}</tspan>'
-            f'<tspan class="vi-2nd">{unit}</tspan></text>'
-        )
+        number = f'<tspan class="vi-big">{value}</tspan><tspan class="vi-2nd">{unit}</tspan>'
+        parts.append(f'<text x="{x + left}" y="{y + 20}">{number}</text>')
     return "".join(parts)
 
 

@@ -87,13 +87,8 @@ def record(session: Session, motions: Sequence[int], chosen: int | None) -> dict
                 **_said(session, moment),
             }
         )
-    return {
-        "chosen": chosen,
-        "snapshots": recorded,
-        "demonstrators": demonstrators.entries,
-        "methods": methods.entries,
-        "maps": maps.entries,
-    }
+    tables = {"demonstrators": demonstrators.entries, "methods": methods.entries, "maps": maps.entries}
+    return {"chosen": chosen, "snapshots": recorded, **tables}
 
 
 def describe_method(moment: Snapshot) -> dict[str, Any]:
@@ -142,14 +137,8 @@ def _said(session: Session, moment: Snapshot) -> dict[str, Any]:
     assessment = assess(session) if is_last and session.cursor == last and moment.status.is_at_rest else None
     before = history[max(motion - TREND, 0) : motion]
     said = describe(moment, before, not is_last, assessment, joints, advises=False)
-    return {
-        "state": str(said.state),
-        "title": said.title,
-        "sentence": said.sentence,
-        "doubt": said.doubt,
-        "word": said.word,
-        "truth": describe_truth(joints, moment.theta, moment.theta_demo),
-    }
+    words = {name: getattr(said, name) for name in ("title", "sentence", "doubt", "word")}
+    return {"state": str(said.state), **words, "truth": describe_truth(joints, moment.theta, moment.theta_demo)}
 
 
 def _condition(moment: Snapshot) -> dict[str, Any] | None:

@@ -16,14 +16,9 @@ from ..presets import PRESETS, Preset
 
 FLAGS = {"0": False, "1": True}  # as links have them
 
-SPEEDS = {
-    "1 in 2 s": 0.5,
-    "1 a second": 1.0,
-    "2 a second": 2.0,
-    "4 a second": 4.0,
-    "10 a second": 10.0,
-    "all it can": 0.0,
-}  # motions a second; 0 is as fast as it computes
+SPEEDS = {  # motions a second; 0 is as fast as it computes
+    "1 in 2 s": 0.5, "1 a second": 1.0, "2 a second": 2.0, "4 a second": 4.0, "10 a second": 10.0, "all it can": 0.0,
+}  # fmt: skip
 NO_POINT = "none"
 
 
@@ -251,9 +246,7 @@ class View:
     large: str | None = None  # of LARGE: what fills the window beside the controls
     picture: str = "Images"  # panel that is saved as a picture
     picture_as: str = "SVG"
-    truth: bool = (
-        True  # whether the scene shows what only the viewer knows; hidden before a class until it is asked for
-    )
+    truth: bool = True  # whether what only the viewer knows is shown; hidden before a class until it is asked for
     unseen: frozenset[str] = frozenset()  # tabs that are not open, or WINDOW where nobody sees any of the page
 
     def on(self, switch: str) -> bool:

@@ -212,12 +212,8 @@ def lab_lacks(now: Snapshot) -> list[str]:
     usual = Settings.paper()
     fields = (name for name in usual.__struct_fields__ if name not in TOLD and name not in DISTURBANCES)
     other = [name.replace("_", " ") for name in fields if getattr(now.settings, name) != getattr(usual, name)]
-    return [
-        *scene,
-        *_own_bodies(now),
-        *lacks(now.settings, now.method.title, now.servo.title, now.rectification is not None),
-        *other,
-    ]
+    lacking = lacks(now.settings, now.method.title, now.servo.title, now.rectification is not None)
+    return [*scene, *_own_bodies(now), *lacking, *other]
 
 
 def _presets_of(now: Snapshot) -> list[Preset]:

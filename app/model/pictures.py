@@ -150,11 +150,7 @@ def _experiment(model: PageModel) -> Picture:
 
 
 FIGURES: Mapping[str, Callable[[PageModel], Picture]] = {
-    "Images": _images,
-    "Landscape": _landscape,
-    "Curves": _curves,
-    "Equations": _equations,
-    "Duel": _duel,
-    "Experiments": _experiment,
-}
+    "Images": _images, "Landscape": _landscape, "Curves": _curves,
+    "Equations": _equations, "Duel": _duel, "Experiments": _experiment,
+}  # fmt: skip
 PICTURES = *FIGURES, SPACE

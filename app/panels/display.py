@@ -8,7 +8,6 @@ from viser import Icon
 from viewimit.drawing.export.perspective import draw_space
 from viewimit.drawing.svg import count_points
 from viewimit.simulation.eyes import require_eyes
-from viewimit.simulation.scene import Scene
 
 from ..drawing.overlays import LESS, MORE, draw_body_points, link
 from ..model.choices import LARGE, NO_POINT, chosen_layout, layout_choices
@@ -57,10 +56,14 @@ def display(layout: Layout, model: PageModel) -> None:
         """The choices that depend on the scene and its images."""
         pictured = model.settings.sensor == "rendered"  # which show the markers that the robot wears, in one layout
         count = len(model.session.world.body)
-        why = why_no_pictures(model.session.scene)
-        put_properties(camera, disabled=why is not None)
-        put_html(why_not, "" if why is None else f'<div class="vi-why">{html.escape(why)}</div>')
-        put_properties(why_not, visible=why is not None)
+        why = ""
+        try:
+            require_eyes("rendered", model.session.scene)
+        except ValueError as reason:  # no camera images can be had of this scene here
+            why = f'<div class="vi-why">{html.escape(str(reason))}</div>'
+        put_properties(camera, disabled=bool(why))
+        put_html(why_not, why)
+        put_properties(why_not, visible=bool(why))
         points.options = [_count_markers(count)] if pictured else list(layout_choices(model.settings))
         points.disabled = pictured
         chosen.options = [NO_POINT, *(str(i) for i in range(count))]
@@ -86,15 +89,6 @@ def _set_theme(layout: Layout, dark: bool) -> None:
         layout.gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
 
 
-def why_no_pictures(scene: Scene) -> str | None:
-    """Return why camera images cannot be had of this scene here, None if they can."""
-    try:
-        require_eyes("rendered", scene)
-    except ValueError as reason:
-        return str(reason)
-    return None
-
-
 def still(layout: Layout, model: PageModel) -> None:
     """What takes the place of the 3-D view in a browser without WebGL, or too slow for it, or where it is chosen."""
     picture = layout.gui.add_html("")
@@ -105,9 +99,8 @@ def still(layout: Layout, model: PageModel) -> None:
     def draw(model: PageModel) -> None:
         if not model.view.flat:
             return put_html(picture, "")
-        drawn = draw_space(
-            model.session.world, model.displayed.scene_snapshot, None, model.view.rays, True, model.view.truth
-        )
+        view, moment = model.view, model.displayed.scene_snapshot
+        drawn = draw_space(model.session.world, moment, None, view.rays, True, view.truth)
         box = f'viewBox="0 0 {drawn.width} {drawn.height:.0f}" role="img" aria-label="{drawn.title}"'
         put_html(picture, f'<div class="vi-flat"><svg class="vi" {box}>{drawn.inside}</svg></div>')
 
@@ -164,18 +157,11 @@ def points(layout: Layout, model: PageModel) -> None:
     with layout.folder("Points", lambda model: str(len(model.session.world.body))), layout.row(quiet=True):
         layout.button(lambda model: DONE if model.edited.on else EDIT, "edit_points", hint="on both arms, by clicks; E")
         layout.button(("Save scene", Icon.DOWNLOAD), "scene", hint="as a file for viewimit imitate --scene")
-        layout.button(
-            lambda model: PROPOSE if model.edited.proposal is None else TAKE,
-            "best",
-            hint="the point that would help most; B",
-            enabled=lambda model: model.edited.on and not model.edited.searching,
-        )
-        layout.button(
-            ("Remove", Icon.TRASH),
-            "remove",
-            hint="the chosen point; Delete",
-            enabled=lambda model: model.edited.on and model.view.chosen is not None,
-        )
+        look = lambda model: PROPOSE if model.edited.proposal is None else TAKE
+        waits = lambda model: model.edited.on and not model.edited.searching
+        layout.button(look, "best", hint="the point that would help most; B", enabled=waits)
+        has_chosen = lambda model: model.edited.on and model.view.chosen is not None
+        layout.button(("Remove", Icon.TRASH), "remove", hint="the chosen point; Delete", enabled=has_chosen)
         status = layout.gui.add_html("")
 
     def draw(model: PageModel) -> None:

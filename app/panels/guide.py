@@ -22,7 +22,7 @@ from ..model.keeping import lab_address, lab_lacks, share_link
 from ..model.page_model import PageModel
 from ..static import STATIC
 from ..ways import Ways, about, header
-from .panel import SLOWEST, Layout, put_html
+from .panel import SLOWEST, STATE, Layout, put_html
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,7 @@ def keys(layout: Layout, model: PageModel) -> None:
     layout.gui.add_html(f'<div class="vi-keys">{key_caps(key for key in KEYS if key.hinted)}</div>')
     for key in KEYS:
         _add_hotkey(layout, key)
-    content = lambda model: help_html(key_caps(KEYS))
-    layout.modal("viewimit: what is seen here", "help", content)
+    layout.modal("viewimit: what is seen here", "help", lambda model: help_html(key_caps(KEYS)))
 
 
 def _add_hotkey(layout: Layout, key: Key) -> None:
@@ -85,16 +84,13 @@ METHODS = (("Transfers", TRANSFERS), ("Servos", SERVOS))
 
 def help_html(keys: str) -> str:
     """For a modal. keys: what they are, as html."""
+    said = lambda one: f"<dt>{one.title}</dt><dd>Assumes: {one.assumes} Fails: {one.limitations}</dd>"
     methods = "".join(
-        f"<p><b>{title}</b></p><dl>"
-        + "".join(f"<dt>{m.title}</dt><dd>Assumes: {m.assumes} Fails: {m.limitations}</dd>" for m in methods.values())
-        + "</dl>"
-        for title, methods in METHODS
+        f"<p><b>{title}</b></p><dl>{''.join(map(said, methods.values()))}</dl>" for title, methods in METHODS
     )
     words = f'<p><b>What the numbers mean</b></p><div class="vi-entries">{listed()}</div>'
-    return (
-        f'<div class="vi-help"><div class="vi-help-keys">{keys}</div>{HELP_HTML}{methods}{words}{about(Ways())}</div>'
-    )
+    keys = f'<div class="vi-help-keys">{keys}</div>'
+    return f'<div class="vi-help">{keys}{HELP_HTML}{methods}{words}{about(Ways())}</div>'
 
 
 # What explains the page: ways to the lab and its lessons, the offer of one of them, and the glossary's cards.
@@ -112,14 +108,7 @@ def lessons(layout: Layout, model: PageModel) -> None:
     small = layout.gui.add_html("")
 
     def key(model: PageModel) -> tuple:
-        return (
-            model.tour_offered,
-            model.player.last > 0,
-            model.snapshot,
-            model.view,
-            model.player.speed,
-            model.preset.name,
-        )
+        return model.player.last > 0, *STATE(model)
 
     def draw(model: PageModel) -> None:
         nonlocal offered
@@ -140,11 +129,8 @@ def glossary(layout: Layout, model: PageModel) -> None:
     browser's own matter."""
     layout.gui.add_html(f'<div class="vi-words">{linked_cards()}</div>')
     values = layout.gui.add_html("")
-    layout.drawing(
-        lambda model: (model.snapshot,),
-        lambda model: put_html(values, current_values(numbers_now(model))),
-        period=SLOWEST,
-    )
+    draw = lambda model: put_html(values, current_values(numbers_now(model)))
+    layout.drawing(lambda model: (model.snapshot,), draw, SLOWEST)
 
 
 def _offered(model: PageModel) -> bool:

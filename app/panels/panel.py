@@ -12,6 +12,7 @@ Nothing is sent when nothing changes.
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 from viser import ClientHandle, IconName
@@ -23,6 +24,7 @@ from ..model.queue import CommandQueue
 from ..viser_private import push_input, push_property
 
 SLOW, SLOWEST = 0.2, 0.5  # s between two drawings of curves and of numbers, which nobody reads faster
+STATE = attrgetter("tour_offered", "snapshot", "view", "player.speed", "preset.name")  # that a link to a page holds
 Read = Callable[[PageModel], Any]  # such as attrgetter("view.rays")
 Period = float | Callable[[PageModel], float]
 Look = tuple[str, IconName | None]  # a button's label and icon

@@ -2,6 +2,7 @@
 equations; a duel."""
 
 from functools import partial
+from operator import attrgetter
 from typing import Any
 
 from viser import Icon
@@ -91,14 +92,8 @@ def landscape(layout: Layout, model: PageModel) -> None:
         with layout.row(quiet=True):
             layout.button(lambda model: ALONE if _compares(model) else COMPARE, "compare")
             layout.button(_starts_look, "starts", hint=STARTS)
-            layout.checkbox(
-                "Preview the pose",
-                lambda model: model.view.look_only,
-                "switch",
-                "look_only",
-                hint=LOOK_ONLY,
-                visible=lambda model: model.view.details or model.view.look_only,
-            )
+            looks, offered = attrgetter("view.look_only"), lambda model: model.view.details or model.view.look_only
+            layout.checkbox("Preview the pose", looks, "switch", "look_only", hint=LOOK_ONLY, visible=offered)
 
         def show_own(shown: bool) -> None:
             for over in (ground, path, preview, links, cost, basin):
@@ -107,10 +102,9 @@ def landscape(layout: Layout, model: PageModel) -> None:
         layout.bind(lambda model: not _compares(model), show_own)
         own = OwnPath(ground, path)
         layout.drawing(own.key, own.draw, own.period)
-        layout.drawing(lambda model: (model.displayed.preview, model.generation), partial(_draw_preview, preview))
-        layout.drawing(
-            lambda model: (model.generation,), lambda model: put_html(links, posture_field(model.session.scene))
-        )
+        layout.drawing(attrgetter("displayed.preview", "generation"), partial(_draw_preview, preview))
+        draw_links = lambda model: put_html(links, posture_field(model.session.scene))
+        layout.drawing(lambda model: (model.generation,), draw_links)
 
 
 class OwnPath:
@@ -175,11 +169,8 @@ def equations(layout: Layout, model: PageModel) -> None:
     with layout.tab("Equations"):
         shown = layout.gui.add_html("")
         layout.gui.add_html(asks(("lambda", "rho", "D")))
-        layout.drawing(
-            lambda model: (model.displayed.snapshot, model.view.chosen),
-            lambda model: put_html(shown, draw_equations(model.displayed.snapshot, model.view.chosen)),
-            period=SLOWEST,
-        )
+        key = attrgetter("displayed.snapshot", "view.chosen")
+        layout.drawing(key, lambda model: put_html(shown, draw_equations(*key(model))), period=SLOWEST)
 
 
 # The tab Duel: the opponent's method, both paths, standings.
@@ -191,12 +182,8 @@ def duel(layout: Layout, model: PageModel) -> None:
     transfers, servos = ([one.title for one in those.values()] for those in (TRANSFERS, SERVOS))
     with layout.tab("Duel"):
         with layout.row():
-            layout.dropdown(
-                "Opponent's transfer",
-                transfers,
-                lambda model: TRANSFERS[model.duel.transfer].title,
-                "opponent_transfer",
-            )
+            transfer = lambda model: TRANSFERS[model.duel.transfer].title
+            layout.dropdown("Opponent's transfer", transfers, transfer, "opponent_transfer")
             layout.dropdown("Opponent's servo", servos, lambda model: SERVOS[model.duel.servo].title, "opponent_servo")
             layout.button(lambda model: BEGIN if model.duel.opponent is None else END, "duel")
         layout.html(lambda model: model.duel_landscapes.html)

@@ -15,7 +15,7 @@ from ..model.keeping import lab_address, lab_lacks, share_link, told
 from ..model.link import files_named
 from ..model.page_model import PageModel
 from ..model.pictures import FORMATS, PICTURES, lacking
-from .panel import SLOWEST, Layout
+from .panel import SLOWEST, STATE, Layout
 
 REPLAY = "all steps as one file that any browser opens, without a server"
 PICTURE = "at print size, in colours of print, with the caption that makes it citable; S"
@@ -43,13 +43,8 @@ def save(layout: Layout, model: PageModel) -> None:
 def share(layout: Layout, model: PageModel) -> None:
     """The card with a link."""
     origin = layout.info.public_url or layout.info.origin
-    layout.modal(
-        "What this page shows, for others",
-        "share",
-        lambda model: share_html(model, origin, is_local=layout.info.public_url is None),
-        lambda model: (model.snapshot, model.view, model.player.speed, model.preset.name),
-        SLOWEST,
-    )
+    content = lambda model: share_html(model, origin, is_local=layout.info.public_url is None)
+    layout.modal("What this page shows, for others", "share", content, STATE, SLOWEST)
 
 
 def share_html(model: PageModel, origin: str | None, is_local: bool = False) -> str:
@@ -91,10 +86,10 @@ def _bound(files: list[str]) -> str:
     """Where a link opens, if not everywhere."""
     if not files:
         return ""
-    named = html.escape(listed(files))
-    return (
-        f'<p class="vi-2nd">It opens only on a server that was started with {named}: no link can hold these files.</p>'
+    only = (
+        f"It opens only on a server that was started with {html.escape(listed(files))}: no link can hold these files."
     )
+    return f'<p class="vi-2nd">{only}</p>'
 
 
 def _qr(address: str) -> str:

@@ -28,7 +28,7 @@ from viewimit.simulation.scene_geometry import (
 from viewimit.simulation.world import World
 
 from .. import viser_private
-from .nodes import ON_SCREEN, UNLIT, Nodes, add_text, linear, quaternion
+from .nodes import UNLIT, Nodes, add_text, in_px, linear, quaternion
 
 BEHIND = 0.002  # m, a picture's distance from its plate
 CELLS, PIECE = 10, 5  # of the floor on either side, and points of its lines from one to the next that are drawn
@@ -53,7 +53,7 @@ def add_floor(scene: SceneApi, world: World, dark: bool, shadows: bool) -> None:
     strength = np.clip(1 - distance**2, 0, 1)
     colours = strength * LOOKS[dark].sections + (1 - strength) * PAPER[dark]
     pieces = lambda of: np.stack([of[:, :-1:PIECE], of[:, PIECE::PIECE]], -2).reshape(-1, 2, 3)
-    scene.add_line_segments("/floor", pieces(lines).astype(np.float32), linear(pieces(colours)), 1.0, **ON_SCREEN)
+    scene.add_line_segments("/floor", pieces(lines).astype(np.float32), linear(pieces(colours)), **in_px(1.0))
     invisible = {"cell_thickness": 0.0, "section_thickness": 0.0, "shadow_opacity": 0.10, "fade_distance": 9.0 * size}
     scene.add_grid("/floor/shadows", 12 * size, 12 * size, visible=shadows, **invisible)
 
@@ -95,7 +95,7 @@ class Fixtures:
     def _add_frustum(self, name: str, camera: Camera, role: str) -> None:
         plate, lines = on_plate(camera, corners(camera), self._size), frustum(camera, self._size).astype(np.float32)
         scene, keep = self._client.scene, self._nodes.keep
-        keep(scene.add_line_segments(f"/stage/frustum_{name}", lines, rgb(role, self._dark), 1.6, **ON_SCREEN))
+        keep(scene.add_line_segments(f"/stage/frustum_{name}", lines, rgb(role, self._dark), **in_px(1.6)))
         shown = {"color": self._look.plate, "opacity": 0.55, **UNLIT}
         self._plates[name] = keep(scene.add_mesh_simple(f"/stage/plate_{name}", *sheet(plate), **shown))
 

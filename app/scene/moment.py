@@ -19,7 +19,7 @@ from ..model.choices import View
 from ..model.displayed import Displayed
 from ..viser_private import push_array
 from .arms import ALWAYS_SEEN, link_name
-from .nodes import ON_SCREEN, Nodes, linear
+from .nodes import Nodes, in_px, linear
 
 Colours = NDArray | tuple[int, int, int]  # (n, 2, 3) of each end, or one for all
 FAR_AWAY = np.array([0, 0, -50.0])  # m, where nobody looks
@@ -118,7 +118,7 @@ class Moment:
 def _add_lines(scene: SceneApi, nodes: Nodes, name: str, count: int, colours: Colours, thickness: float) -> Any:
     """Add `count` line segments of a thickness in px."""
     points = np.zeros((count, 2, 3), np.float32)
-    return nodes.keep(scene.add_line_segments(f"/now/{name}", points, colours, thickness, **ON_SCREEN))
+    return nodes.keep(scene.add_line_segments(f"/now/{name}", points, colours, **in_px(thickness)))
 
 
 def of_views(shade: Callable[[str], tuple[int, int, int]], count: int) -> NDArray:
@@ -157,7 +157,7 @@ class ProposedPoint:
         scene = self._world.scene
         node, add = f"{link_name(scene, arm, int(point.link[0]))}/proposed", self._client.scene.add_line_segments
         lines = _circles(RADIUS * scene.size)
-        return self._keep(add(node, lines, self._colour, 2, position=point.local[0], **ON_SCREEN))
+        return self._keep(add(node, lines, self._colour, position=point.local[0], **in_px(2)))
 
 
 def _circles(radius: float) -> NDArray:

@@ -13,7 +13,6 @@ from viser.transforms import SO3
 from viewimit.drawing.theme import rgb
 from viewimit.simulation.scene_geometry import default_view
 
-ON_SCREEN: dict[str, Any] = {"thickness_units": "screen"}  # lines whose thickness is in px
 UNLIT: dict[str, Any] = {"cast_shadow": False, "receive_shadow": False}
 Node = TypeVar("Node", bound=SceneNodeHandle)
 
@@ -45,6 +44,11 @@ def quaternion(rotation: NDArray) -> tuple[float, float, float, float]:
     """R (3, 3) → (w, x, y, z), as viser takes rotations."""
     w, x, y, z = SO3.from_matrix(rotation).wxyz.tolist()
     return w, x, y, z
+
+
+def in_px(thickness: float) -> dict[str, Any]:
+    """Of lines."""
+    return {"thickness": thickness, "thickness_units": "screen"}
 
 
 # Colours as viser takes them.

@@ -62,18 +62,9 @@ class AccessControl:
             await handler(connection)
 
         asyncio.get_running_loop().set_exception_handler(self._tell_fault)
-        return plain(
-            handle,
-            host,
-            port,
-            **options
-            | serving_options(
-                partial(GuardedConnection, self.pending, self.seats, self.limits, self.belongs_to_another),
-                lambda connection, request: self._answer(connection, request, process_request),
-                MOST_MESSAGE,
-                self.limits,
-            ),
-        )
+        create = partial(GuardedConnection, self.pending, self.seats, self.limits, self.belongs_to_another)
+        answer = lambda connection, request: self._answer(connection, request, process_request)
+        return plain(handle, host, port, **options | serving_options(create, answer, MOST_MESSAGE, self.limits))
 
     def _tell_fault(self, _loop: asyncio.AbstractEventLoop, context: dict) -> None:
         """Without file descriptors asyncio tells a hundred a second."""

@@ -24,13 +24,9 @@ from .step_data import TOLD, Scenes, items_with_facts, lesson_data, situation_of
 HERE = Path(__file__).parent
 ENTRY = "lessons/lesson.js"
 STYLE_FILES = (
-    "lessons/lesson.css",
-    "view/ways.css",
-    "lessons/paper.css",
-    "lessons/figures/figures.css",
-    "lessons/figures/limits.css",
-    "challenge/joints.css",
-)
+    "lessons/lesson.css", "view/ways.css", "lessons/paper.css", "lessons/figures/figures.css",
+    "lessons/figures/limits.css", "challenge/joints.css",
+)  # fmt: skip
 MAX_BYTES = 800_000  # of a page with one lesson
 
 

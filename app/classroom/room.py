@@ -228,11 +228,6 @@ class Room:
     def _keep_sessions(self) -> None:
         self.store.keep("sessions", msgspec.json.encode(list(self._sessions)).decode())
 
-    def _logout(self, browser: Browser) -> None:
-        self._sessions.pop(browser.session or "", None)
-        self._keep_sessions()
-        self._become_student(browser)
-
     def _become_student(self, browser: Browser) -> None:
         browser.session = None
         self.leave(browser)
@@ -372,11 +367,6 @@ class Room:
             lecturer.send(f'{{"kind":"copy","state":{bytes(copy.state).decode()}}}')
             self._requested = None
 
-    def _new_class(self) -> None:
-        self.store.clear()
-        self.rounds, self._numbers = [], {}
-        self._order(**RELEASED, gather=None, reset=self.orders.reset + 1)
-
     # Answers
 
     def _answer(self, browser: Browser, answer: p.Answer) -> None:
@@ -487,11 +477,15 @@ class Room:
             case p.Do("reset"):
                 self._order(reset=self.orders.reset + 1)
             case p.Do("logout"):
-                self._logout(browser)
+                self._sessions.pop(browser.session or "", None)
+                self._keep_sessions()
+                self._become_student(browser)
             case p.Do("take"):
                 self._lead(browser)
             case p.Do("new"):
-                self._new_class()
+                self.store.clear()
+                self.rounds, self._numbers = [], {}
+                self._order(**RELEASED, gather=None, reset=self.orders.reset + 1)
 
     # What goes on by itself
 

@@ -139,9 +139,16 @@ class ClassServer:
 
     def _address_of(self, connection: ServerConnection) -> str:
         """Where a browser is: of proxies that are trusted, what they say of it."""
-        peer = connection.remote_address
-        forwarded = ",".join(connection.request.headers.get_all("X-Forwarded-For")) if connection.request else ""
-        return client_address(peer[0] if peer else "", forwarded, self._trusted)
+        peer, request, proxies = (
+            connection.remote_address,
+            connection.request,
+            self._trusted.replace(" ", "").split(","),
+        )
+        forwarded = "" if request is None else ",".join(request.headers.get_all("X-Forwarded-For"))
+        chain = [*filter(None, forwarded.replace(" ", "").split(",")), peer[0] if peer else ""]
+        while len(chain) > 1 and ("*" in proxies or _is_in(chain[-1], proxies)):
+            chain.pop()
+        return chain[-1]
 
     async def _serve(self, connection: ServerConnection) -> None:
         """One websocket, from its handshake to its end."""
@@ -185,15 +192,6 @@ async def _send_all(connection: ServerConnection, browser: Browser, something: a
             screen, browser.screen = browser.screen, None
             if screen is not None:
                 await connection.send(screen)
-
-
-def client_address(peer: str, forwarded: str, trusted: str) -> str:
-    """Return a client's address: the peer's, or the last one of X-Forwarded-For that no trusted proxy has. forwarded:
-    that header; trusted: addresses or networks of proxies, separated by commas; * for any."""
-    proxies, chain = trusted.replace(" ", "").split(","), [*filter(None, forwarded.replace(" ", "").split(",")), peer]
-    while len(chain) > 1 and ("*" in proxies or _is_in(chain[-1], proxies)):
-        chain.pop()
-    return chain[-1]
 
 
 def _is_in(address: str, networks: Sequence[str]) -> bool:

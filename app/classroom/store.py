@@ -88,7 +88,10 @@ class Store:
             self._file.create_function("unlinked", 4, unlinked, deterministic=True)
             persons = dict(self._file.execute("select key, number from persons"))
             self.persons = msgspec.convert(persons, dict[str, int])
-            self.kept, self.rounds = self._kept(), self._rounds()
+            kept = dict(self._file.execute("select key, value from kept"))
+            for name in {"sessions", "orders"} & kept.keys():
+                kept[name] = msgspec.json.decode(kept[name])
+            self.kept, self.rounds = msgspec.convert(kept, Kept, strict=False), self._rounds()
 
     def _open(self) -> sqlite3.Connection:
         return sqlite3.connect(str(self.path), timeout=LOCKED_S, check_same_thread=False, isolation_level="IMMEDIATE")
@@ -114,12 +117,6 @@ class Store:
             raise ValueError(f"it has the tables {', '.join(found)} of another program")
 
     # Reading
-
-    def _kept(self) -> Kept:
-        found = dict(self._file.execute("select key, value from kept"))
-        for name in {"sessions", "orders"} & found.keys():
-            found[name] = msgspec.json.decode(found[name])
-        return msgspec.convert(found, Kept, strict=False)
 
     def _rounds(self) -> list[Round]:
         rows = self._file.execute("select * from rounds order by number").fetchall()

@@ -100,11 +100,7 @@ def choose_speed(
     model.player.speed = motions_per_second
 
 
-def _preset_needs_camera(model: PageModel, name: str) -> bool:
-    return name in model.presets.offered and model.presets.offered[name].settings.sensor == "rendered"
-
-
-@command("preset", latest=True, moves=True, camera=_preset_needs_camera)
+@command("preset", latest=True, moves=True, camera=lambda model, name: name in model.presets.pictured)
 def choose_preset(model: PageModel, name: str) -> None:
     """Begin with a preset of the page's list."""
     if name != modified(model.preset.name):  # which it is already

@@ -57,19 +57,14 @@ def draw_ground(scene: Scene, found: Sequence[Landscape], theta_demo: NDArray[np
         if found:
             inside = draw_small(plane, found[k], found[k].minimum[None], theta_demo)
         parts.append(_column(k, inside))
-    return _wrap("".join(parts))
-
-
-def draw_empty_ground() -> str:
-    """Draw what lies under a plot of errors, without landscapes."""
-    return _wrap("")
+    return wrap("".join(parts))
 
 
 def draw_empty() -> str:
     """Draw the tab before a duel."""
     y = HEIGHT / 2
     why = (svg.text(WIDTH / 2, y + 15 * k, line, "vi-2nd vi-mid") for k, line in enumerate(WHY.split("\n")))
-    return _wrap(svg.text(WIDTH / 2, y - 22, SENTENCE, "vi-mid vi-b") + "".join(why))
+    return wrap(svg.text(WIDTH / 2, y - 22, SENTENCE, "vi-mid vi-b") + "".join(why))
 
 
 def draw_race(scene: Scene, racers: Sequence[Session], standings: Sequence[Standing], playing: bool = True) -> str:
@@ -82,7 +77,7 @@ def draw_race(scene: Scene, racers: Sequence[Session], standings: Sequence[Stand
         parts.append(draw_errors(standings))
     for k, line in enumerate(verdict(standings, playing)):
         parts.append(svg.text(0, HEIGHT - 22 + 18 * k, line, "" if k else "vi-verdict"))
-    return f'<div class="vi-over">{_wrap("".join(parts))}</div>'
+    return f'<div class="vi-over">{wrap("".join(parts))}</div>'
 
 
 def draw_errors(standings: Sequence[Standing]) -> str:
@@ -174,5 +169,6 @@ def _column(k: int, inside: str) -> str:
     return f'<g transform="translate({k * (COLUMN + GAP)} {TOP})">{inside}</g>'
 
 
-def _wrap(inside: str) -> str:
+def wrap(inside: str) -> str:
+    """Build a drawing of the tab, as HTML."""
     return f'<div class="vi-panel"><svg class="vi vi-duel" viewBox="0 0 {WIDTH} {HEIGHT}">{inside}</svg></div>'

@@ -43,6 +43,7 @@ def button(what: str, name: str, inside: str) -> str:
 # parts to the present places.
 
 MORE, LESS = "M1-4h3v3M-1 4h-3v-3M4-4l-3 3M-4 4l3-3", "M4-1h-3v-3M-4 1h3v3M1-1l3-3M-1 1l-3 3"  # icons, 12 px
+SQUARE = '<rect x="-8" y="-8" width="16" height="16" rx="3"/>'  # around an icon
 HIT, HALO = 12, 11  # px, radii of a point's link and of its mark
 MIN_HIT = 1.5  # px, radius of the link of a crowded point
 FIRST_IMAGE = 2  # among the panels that can be enlarged: the images follow two others
@@ -58,11 +59,14 @@ AIM, ARM = 8, 13  # px, cross hair: radius of its ring, length of its lines
 def point_links(count: int, whole: bool) -> str:
     """Build links over the four images, whole or not. Tab stops at the points of L, as the other images repeat them.
     Each point has two links: a circle of radius HIT, and above all of these the part where it is the nearest point."""
+    if not count:
+        return ""
     inside = {}
     for k, (view, size) in enumerate(SIZES[whole].items()):
         around = "".join(_link(view, i, "vi-around") for i in range(count))
         nearest = "".join(_link(view, i, "vi-nearest", stop=view == "L") for i in range(count))
-        large = link(f"large/{FIRST_IMAGE + k}", f"Enlarge picture {view}", _corners(size[0]))
+        icon = f'<g class="vi-larger" transform="translate({size[0] / 2:g} 10)">{SQUARE}<path d="{MORE}"/></g>'
+        large = link(f"large/{FIRST_IMAGE + k}", f"Enlarge picture {view}", icon)
         inside[view] = around + nearest + large
     construct = link("construction/0", "Build up how the point is transferred", "▸ Build it up <kbd>C</kbd>")
     return _over_images(inside, construct, whole, " vi-links", ' role="group" aria-label="Points to choose"')
@@ -90,12 +94,6 @@ def _over_images(inside: Mapping[str, str], how: str, whole: bool, classes: str 
         f'<div class="vi-above{classes}"><div class="vi-panel vi-four"><div class="{kind}"{attributes}>'
         f"{''.join(drawings)}</div></div></div>"
     )
-
-
-def _corners(width: int) -> str:
-    """Draw the icon for enlarging at the top of an image of this width, px."""
-    square = '<rect x="-8" y="-8" width="16" height="16" rx="3"/>'
-    return f'<g class="vi-larger" transform="translate({width / 2:g} 10)">{square}<path d="{MORE}"/></g>'
 
 
 def _link(view: str, i: int, kind: str, stop: bool = False) -> str:

@@ -26,7 +26,6 @@ from viewimit.drawing.glossary import ask, cards
 from viewimit.drawing.svg import count_motions
 from viewimit.drawing.theme import DRAWING_CSS, WORDS_CSS, font_faces, variables
 from viewimit.loop.session import Session
-from viewimit.loop.snapshot import Snapshot
 
 from .engine_scene import can_compute, describe_hulls, describe_world
 from .recording import describe_method, kept_motions, record
@@ -144,11 +143,13 @@ def replay(session: Session, title: str = "", chosen: int | None = None) -> Repl
     elif not 0 <= chosen < len(world.body):
         raise ValueError(f"no point {chosen}; there are {len(world.body)}, from 0")
     kept, shapes, citation = kept_motions(session.history), Shapes(), cite(session)
+    told = {"name": SCENE, "title": title or citation.title, "says": TAKEN_OVER, "scene": SCENE}
+    taken_over = told | describe_method(first)["lab"]  # what the lab begins with where it goes on
     data = {
         "robot": describe_robot(world.scene.robot, shapes),
         "hulls": describe_hulls(world.scene.robot),
         "scenes": {SCENE: _scene(session, kept, shapes)},
-        "presets": [_taking_over(first, title or citation.title)] if can_compute(world.scene) else [],
+        "presets": [taken_over] if can_compute(world.scene) else [],
         "run": record(session, kept, chosen),
         "words": cards(),
     }
@@ -163,11 +164,6 @@ def _scene(session: Session, kept: Sequence[int], shapes: Shapes) -> dict[str, A
     scene = describe_world(world, {str(len(world.body)): world.body})
     scene |= {"demonstrator": first.theta_demo.tolist(), "start": first.theta.tolist()}
     return scene | {"stage": describe_stage(world, shapes, ends)}
-
-
-def _taking_over(first: Snapshot, title: str) -> dict[str, Any]:
-    """What the lab begins with where it takes over."""
-    return {"name": SCENE, "title": title, "says": TAKEN_OVER, "scene": SCENE, **describe_method(first)["lab"]}
 
 
 def _page(title: str, citation: Citation, data: dict[str, Any], meshes: bytes) -> str:

@@ -178,6 +178,7 @@ class Presets:
     def __init__(self, asked: Settings):
         self.offered = presets_from(asked)
         self.chosen = next(iter(self.offered.values()))
+        self.pictured = {name for name, preset in self.offered.items() if preset.settings.sensor == "rendered"}
 
 
 # Scenes that are described in full, in links: at most what a page can draw.

@@ -87,7 +87,7 @@ class DuelLandscapes:
         asked = world, *map(landscape_key, both)
         if asked != self._asked:
             self._asked = asked
-            self._beside("duel", lambda: (world, _draw_ground(world, both)), self.take)
+            self._beside("duel", partial(_draw_ground, world, both), self.take)
 
     def take(self, made: tuple[World, str] | Exception) -> None:
         if isinstance(made, Exception):
@@ -96,11 +96,10 @@ class DuelLandscapes:
             self.html = made[1]
 
 
-def _draw_ground(world: World, both: tuple[Snapshot, Snapshot]) -> str:
+def _draw_ground(world: World, both: tuple[Snapshot, Snapshot]) -> tuple[World, str]:
     found = [made for made in (compute_landscape(world, snapshot) for snapshot in both) if made is not None]
-    if len(found) < len(both):
-        return drawing.draw_empty_ground()
-    return drawing.draw_ground(world.scene, found, both[0].theta_demo)
+    has_both = len(found) == len(both)  # else there is nothing under the plot of errors
+    return world, drawing.draw_ground(world.scene, found, both[0].theta_demo) if has_both else drawing.wrap("")
 
 
 class Basins:

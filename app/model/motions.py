@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +51,7 @@ class Motions:
         self.recorder: Recorder | None = None
         self.shown: Playback | None = None
         self._at: NDArray | None = None  # posture that the motion shown has put the demonstrator in
-        self._then: Callable[[Playback], Any] | None = None  # what waits for a motion that is being made
+        self._then: Callable[[Playback], None] | None = None  # what waits for a motion that is being made
         self._scene = session.scene
 
     @property
@@ -142,7 +141,11 @@ class Motions:
         if (played := self._played) is not None:
             played.pause()
         else:
-            self._with_motion(lambda shown: (shown.play(self._clock()), self._show(shown)))
+            self._with_motion(self._go_on)
+
+    def _go_on(self, shown: Playback) -> None:
+        shown.play(self._clock())
+        self._show(shown)
 
     def scrub(self, seconds: float) -> None:
         """Show the frame at that time."""
@@ -180,7 +183,7 @@ class Motions:
             self.shown, self._at, self._scene = Playback(found), theta, scene
             then(self.shown)
 
-    def _with_motion(self, then: Callable[[Playback], Any]) -> None:
+    def _with_motion(self, then: Callable[[Playback], None]) -> None:
         """Do this with the chosen motion, at once or as soon as it is made."""
         session, here = self._session, self._session.snapshot.theta_demo
         if self.name == RECORDED:

@@ -118,9 +118,9 @@ class Page:
         if self._scene.arms is not None and self._redraw.changed(Scene3D, self._scene.key(model)):
             self._scene.show(model)
         for drawing in self.layout.drawings:
-            if not drawing.is_seen(model):
+            if drawing.tab in model.view.unseen:
                 continue
-            period = drawing.period_of(model)
+            period = drawing.period(model) if callable(drawing.period) else drawing.period
             if period and not self._redraw.due(drawing.kind, self._now, period):
                 continue
             if self._redraw.changed(drawing.kind, drawing.key(model)):

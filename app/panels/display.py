@@ -74,19 +74,18 @@ def display(layout: Layout, model: PageModel) -> None:
         put(chosen, NO_POINT if model.view.chosen is None else str(model.view.chosen))
         put(points, _count_markers(count) if pictured else chosen_layout(model.settings))
 
+    def set_theme(dark: bool) -> None:
+        if layout.named.get("dark", False) != dark:
+            layout.named["dark"] = dark
+            gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
+
     layout.drawing(lambda model: (model.generation,), offer)
     layout.drawing(lambda model: (model.view.chosen, model.settings, model.inputs), show)
-    layout.bind(lambda model: model.view.on("dark"), lambda dark: _set_theme(layout, dark))
+    layout.bind(lambda model: model.view.on("dark"), set_theme)
 
 
 def _count_markers(count: int) -> str:
     return f"{count} marker{'' if count == 1 else 's'}"
-
-
-def _set_theme(layout: Layout, dark: bool) -> None:
-    if layout.named.get("dark", False) != dark:
-        layout.named["dark"] = dark
-        layout.gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
 
 
 def still(layout: Layout, model: PageModel) -> None:

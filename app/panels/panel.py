@@ -52,12 +52,6 @@ class Drawing:
     draw: Callable[[PageModel], None]
     period: Period = 0.0
 
-    def is_seen(self, model: PageModel) -> bool:
-        return self.tab not in model.view.unseen
-
-    def period_of(self, model: PageModel) -> float:
-        return self.period(model) if callable(self.period) else self.period
-
 
 @dataclass(eq=False)
 class Controls:

@@ -42,7 +42,7 @@ def images(layout: Layout, model: PageModel) -> None:
         shown, links, proposed = (layout.gui.add_html("") for k in range(3))
         layout.named["images"] = shown
         layout.drawing(_images_key, partial(_draw_images, shown, proposed))
-        layout.drawing(_links_key, partial(_draw_point_links, links))
+        layout.drawing(_links_key, lambda model: put_html(links, point_links(*_links_key(model))))
 
 
 def _images_key(model: PageModel) -> tuple:
@@ -68,14 +68,9 @@ def _draw_images(shown: Any, proposed: Any, model: PageModel) -> None:
 
 
 def _links_key(model: PageModel) -> tuple:
+    """What links depend on: a click on one is not lost while the arm moves."""
     points = len(model.displayed.image_snapshot.views.demo)
-    return None if model.view.rectified else points, model.view.whole_frames
-
-
-def _draw_point_links(links: Any, model: PageModel) -> None:
-    """Draw the links again only when they change: a click on one is not lost while the arm moves."""
-    points, whole_frames = _links_key(model)
-    put_html(links, "" if points is None else point_links(points, whole_frames))
+    return 0 if model.view.rectified else points, model.view.whole_frames
 
 
 def landscape(layout: Layout, model: PageModel) -> None:
@@ -102,7 +97,12 @@ def landscape(layout: Layout, model: PageModel) -> None:
         layout.bind(lambda model: not _compares(model), show_own)
         own = OwnPath(ground, path)
         layout.drawing(own.key, own.draw, own.period)
-        layout.drawing(attrgetter("displayed.preview", "generation"), partial(_draw_preview, preview))
+
+        def draw_preview(model: PageModel) -> None:
+            moment = model.displayed.preview
+            put_html(preview, "" if moment is None else draw_see_through(model.session.scene, moment))
+
+        layout.drawing(attrgetter("displayed.preview", "generation"), draw_preview)
         draw_links = lambda model: put_html(links, posture_field(model.session.scene))
         layout.drawing(lambda model: (model.generation,), draw_links)
 
@@ -136,11 +136,6 @@ class OwnPath:
 def _compares(model: PageModel) -> bool:
     """Whether the landscapes of all transfers are shown."""
     return model.comparison.html is not None
-
-
-def _draw_preview(preview: Any, model: PageModel) -> None:
-    moment = model.displayed.preview
-    put_html(preview, "" if moment is None else draw_see_through(model.session.scene, moment))
 
 
 def _starts_look(model: PageModel) -> tuple:

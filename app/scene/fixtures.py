@@ -1,6 +1,7 @@
 """The fixtures of the 3-D scene: light, floor, pedestals, the head, its frusta with their image plates, names."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from viser import ClientHandle, ImageHandle, MeshHandle, SceneApi
@@ -54,7 +55,12 @@ def add_floor(scene: SceneApi, world: World, dark: bool, shadows: bool) -> None:
     colours = strength * LOOKS[dark].sections + (1 - strength) * PAPER[dark]
     pieces = lambda of: np.stack([of[:, :-1:PIECE], of[:, PIECE::PIECE]], -2).reshape(-1, 2, 3)
     scene.add_line_segments("/floor", pieces(lines).astype(np.float32), linear(pieces(colours)), **in_px(1.0))
-    invisible = {"cell_thickness": 0.0, "section_thickness": 0.0, "shadow_opacity": 0.10, "fade_distance": 9.0 * size}
+    invisible: dict[str, Any] = {
+        "cell_thickness": 0.0,
+        "section_thickness": 0.0,
+        "shadow_opacity": 0.10,
+        "fade_distance": 9.0 * size,
+    }
     scene.add_grid("/floor/shadows", 12 * size, 12 * size, visible=shadows, **invisible)
 
 
@@ -88,15 +94,15 @@ class Fixtures:
                     viser_private.push_jpeg(self._pictures[view], picture)
 
     def _add_solid(self, solid: Solid) -> None:
-        name, place = f"/stage/{solid.name}", {"position": solid.position, "wxyz": quaternion(solid.turn)}
         add, colour = self._client.scene.add_mesh_simple, getattr(self._look, solid.colour)
-        self._nodes.keep(add(name, solid.vertices, solid.faces, color=colour, **place))
+        place: dict[str, Any] = {"position": solid.position, "wxyz": quaternion(solid.turn)}
+        self._nodes.keep(add(f"/stage/{solid.name}", solid.vertices, solid.faces, color=colour, **place))
 
     def _add_frustum(self, name: str, camera: Camera, role: str) -> None:
         plate, lines = on_plate(camera, corners(camera), self._size), frustum(camera, self._size).astype(np.float32)
         scene, keep = self._client.scene, self._nodes.keep
         keep(scene.add_line_segments(f"/stage/frustum_{name}", lines, rgb(role, self._dark), **in_px(1.6)))
-        shown = {"color": self._look.plate, "opacity": 0.55, **UNLIT}
+        shown: dict[str, Any] = {"color": self._look.plate, "opacity": 0.55, **UNLIT}
         self._plates[name] = keep(scene.add_mesh_simple(f"/stage/plate_{name}", *sheet(plate), **shown))
 
     def _add_picture(self, view: str, camera: Camera) -> None:

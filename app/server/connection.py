@@ -63,7 +63,8 @@ class GuardedConnection(Connection):
     def take_seat(self) -> None:
         self.pending.discard(self)
         self._seats.add(self)
-        self._starts = self.loop.call_later(self._limits.page_within, self._end_if_idle)
+        idle = lambda: self.client or self._end(CloseCode.POLICY_VIOLATION, "a seat for nobody: no page has come")
+        self._starts = self.loop.call_later(self._limits.page_within, idle)
 
     def process_event(self, event) -> None:
         if self.request is not None and not self._frames.take():
@@ -102,10 +103,6 @@ class GuardedConnection(Connection):
             if self._starts is not None:
                 self._starts.cancel()
         self._validator.admit(message)
-
-    def _end_if_idle(self) -> None:
-        if self.client is None:
-            self._end(CloseCode.POLICY_VIOLATION, "a seat for nobody: no page has come")
 
     def _end(self, code: CloseCode, what: str) -> None:
         """Log the reason and close. Later messages are not read; without a closing handshake it is aborted."""

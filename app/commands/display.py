@@ -7,6 +7,7 @@ from ..model.page_model import PageModel
 from ..model.queue import add, command, number, one_of
 
 CLIENT_REPORTED = {"dark": "prefers_dark", "truth": "truth", "flat": "flat"}  # fields of View, by link
+ENLARGED = one_of({str(k): what for k, what in enumerate(LARGE)}, "there is no panel or picture {value}")
 NO_FLAG = "{value} is neither 0 nor 1"
 
 
@@ -84,12 +85,7 @@ def build_up(model: PageModel, *, now: float) -> None:
 
 
 @command("large", order_independent=True, link=True)
-def enlarge(
-    model: PageModel,
-    what: Annotated[
-        str, one_of({str(k): what for k, what in enumerate(LARGE)}, "there is no panel or picture {value}")
-    ],
-) -> None:
+def enlarge(model: PageModel, what: Annotated[str, ENLARGED]) -> None:
     """Enlarge a panel or an image, by its index in LARGE; the one that is large already: all as before."""
     model.show(large=None if model.view.large == what else what)
 

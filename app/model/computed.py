@@ -21,7 +21,7 @@ from ..drawing import duel as drawing
 from ..drawing.landscapes import draw_compared, draw_costs, draw_together, waiting
 from ..jobs.experiments import ExperimentWorker, Request, Run
 from .motions import Motions
-from .queue import CommandQueue
+from .queue import CommandQueue, Send
 
 
 class OwnLandscape:
@@ -214,14 +214,7 @@ class Experiments:
     """What a page asks of its experiments, and what it knows of them. All look at projected points, as pictures would
     take them hours. chosen: an experiment's name; latest: the run asked for last; runs: by experiment, its latest."""
 
-    def __init__(
-        self,
-        worker: ExperimentWorker,
-        session: Session,
-        motions: Motions,
-        queue: CommandQueue,
-        send: Callable[[str, bytes], None],
-    ):
+    def __init__(self, worker: ExperimentWorker, session: Session, motions: Motions, queue: CommandQueue, send: Send):
         self._worker, self._session, self._motions = worker, session, motions
         self._queue, self._send = queue, send
         self.chosen = next(iter(EXPERIMENTS))

@@ -22,7 +22,7 @@ from viewimit.analysis.trajectory import (
 from viewimit.loop.session import Session
 from viewimit.simulation.scene import Scene
 
-from .queue import RunInBackground
+from .queue import RunInBackground, Send
 
 RECORDED = "recorded"  # a motion's name
 TITLES = {"sinusoid": "sinusoid", "circle": "circle of the hand", RECORDED: "recorded"}
@@ -37,13 +37,9 @@ class Motions:
     for the visitor."""
 
     def __init__(
-        self,
-        session: Session,
-        pose: Callable[[NDArray], None],
-        run_in_background: RunInBackground,
-        send: Callable[[str, bytes], None],
+        self, session: Session, pose: Callable[[NDArray], None], run_in_background: RunInBackground, send: Send,
         clock: Callable[[], float] = time.monotonic,
-    ):
+    ):  # fmt: skip
         self._session, self._pose, self._clock = session, pose, clock
         self._run_in_background, self._send = run_in_background, send
         self.name = next(iter(NAMES))

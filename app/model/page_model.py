@@ -22,7 +22,7 @@ from .editing import UndoableSession
 from .link import Following
 from .motions import Motions
 from .points import NOT_EDITED, PointEditing
-from .queue import CommandQueue
+from .queue import CommandQueue, Send
 from .services import Services
 
 
@@ -39,13 +39,7 @@ class PageModel:
     each of which widgets are written again; tour_offered: to a first visitor; eye(): that looks at the 3-D scene, as
     the page knows it; is_kept: the page's tab keeps what it is sent of it; unsaved: whether the tab cannot keep it."""
 
-    def __init__(
-        self,
-        settings: Settings,
-        services: Services,
-        queue: CommandQueue,
-        send: Callable[[str, bytes], None],
-    ):
+    def __init__(self, settings: Settings, services: Services, queue: CommandQueue, send: Send):
         self.begun, self.send = settings, send
         self.undoable = UndoableSession(settings, services.camera, self._show_new_world)
         self.session, self.player, self.duel = self.undoable.session, self.undoable.player, self.undoable.duel

@@ -19,9 +19,10 @@ from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.scene_writing import saved_scene
 from viewimit.simulation.world import World
 
-from .queue import RunInBackground
+from .queue import RunInBackground, Send
 
 MOST_POINTS = 64
+Lay = Callable[[tuple[BodyPoint, ...]], None]
 DIGITS = 4  # of a metre
 HEADING = "Body points by hand, from viewimit's page: use it by --scene, or edit it"
 
@@ -45,13 +46,7 @@ class PointEditing:
     """Of one session. lay(points): restarts it with these; run_in_background(make, take): make what takes
     long, then take it in the page's own time; send(name, data): a file for the visitor."""
 
-    def __init__(
-        self,
-        session: Session,
-        lay: Callable[[tuple[BodyPoint, ...]], None],
-        run_in_background: RunInBackground,
-        send: Callable[[str, bytes], None],
-    ):
+    def __init__(self, session: Session, lay: Lay, run_in_background: RunInBackground, send: Send):
         self._session, self._lay, self._run_in_background, self._send = session, lay, run_in_background, send
         self.begun = False  # and not ended by the visitor
         self._asked: tuple[World, NDArray] | None = None  # for what a proposal is being made

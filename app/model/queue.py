@@ -13,6 +13,7 @@ PENDING_LIMIT = 200  # actions that wait, per page
 NOT_TAKEN = f"more than {PENDING_LIMIT} actions wait: what came after them is not done"
 UNFINISHED = object()  # what a job returns that is to go on after those of other pages
 RunInBackground = Callable[[Callable[[], Any], Callable[[Any], None]], None]  # (make, take): take(make()), later
+Send = Callable[[str, bytes], None]  # (name, data): a file for the visitor
 Function = TypeVar("Function", bound=Callable[..., None])
 
 

@@ -26,6 +26,7 @@ from ..viser_private import push_input, push_property
 SLOW, SLOWEST = 0.2, 0.5  # s between two drawings of curves and of numbers, which nobody reads faster
 STATE = attrgetter("tour_offered", "snapshot", "view", "player.speed", "preset.name")  # that a link to a page holds
 Read = Callable[[PageModel], Any]  # such as attrgetter("view.rays")
+Shown = bool | Callable[[PageModel], bool]
 Period = float | Callable[[PageModel], float]
 Look = tuple[str, IconName | None]  # a button's label and icon
 
@@ -160,54 +161,38 @@ class Layout:
     def html(self, content: str | Read = "", visible: bool | Read = True) -> Any:
         handle = self.gui.add_html(self._first(content), visible=self._first(visible))
         self._bind_if_read(content, lambda shown: put_html(handle, shown))
-        self._bind_if_read(visible, lambda shown: put_properties(handle, visible=shown))
-        return handle
+        return self._seen_if(handle, visible)
 
     def button(
         self,
-        look: Look | Callable[[PageModel], Look],
+        look: Look | Read,
         command: str,
-        hint: str | None = None,
-        enabled: bool | Callable[[PageModel], bool] = True,
-        visible: bool | Callable[[PageModel], bool] = True,
+        hint: str = "",
+        enabled: Shown = True,
+        visible: Shown = True,
         **options: Any,
     ) -> Any:
         """A button. look: its label and icon."""
         label, icon = self._first(look)
         options |= {"disabled": not self._first(enabled), "visible": self._first(visible)}
-        handle = self.gui.add_button(label, icon=icon, hint=hint, **options)
+        handle = self.gui.add_button(label, icon=icon, **options)
         self.queue.on_click(handle, command)
         self._bind_if_read(look, lambda shown: put_properties(handle, **dict(zip(("label", "icon"), shown))))
         self._bind_if_read(enabled, lambda shown: put_properties(handle, disabled=not shown))
-        self._bind_if_read(visible, lambda shown: put_properties(handle, visible=shown))
-        return handle
+        return self._seen_if(handle, visible)
 
     def dropdown(
-        self,
-        label: str,
-        options: Sequence[str],
-        value: Read,
-        command: str,
-        visible: bool | Callable[[PageModel], bool] = True,
-        period: float = 0.0,
+        self, label: str, options: Sequence[str], value: Read, command: str, visible: Shown = True, period: float = 0.0
     ) -> Any:
         shown = self._first(visible)
         handle = self.gui.add_dropdown(label, options, initial_value=value(self._model), visible=shown)
-        self._bind_if_read(visible, lambda shown: put_properties(handle, visible=shown), period)
-        return self.value(handle, value, command, period=period)
+        return self.value(self._seen_if(handle, visible), value, command, period=period)
 
     def checkbox(
-        self,
-        label: str,
-        value: Callable[[PageModel], bool],
-        command: str,
-        *first: Any,
-        hint: str | None = None,
-        visible: bool | Callable[[PageModel], bool] = True,
+        self, label: str, value: Read, command: str, *first: Any, hint: str | None = None, visible: Shown = True
     ) -> Any:
         handle = self.gui.add_checkbox(label, value(self._model), hint=hint, visible=self._first(visible))
-        self._bind_if_read(visible, lambda shown: put_properties(handle, visible=shown))
-        return self.value(handle, value, command, *first)
+        return self.value(self._seen_if(handle, visible), value, command, *first)
 
     def slider(
         self, label: str, low: Any, high: Any, step: Any, value: Read, command: str, *first: Any, **options: Any
@@ -216,14 +201,7 @@ class Layout:
         handle = self.gui.add_slider(label, low, high, step, low, **options)
         return self.value(handle, value, command, *first, period=period)
 
-    def modal(
-        self,
-        title: str,
-        field: str,
-        content: Callable[[PageModel], str],
-        key: Callable[[PageModel], tuple] = lambda model: (),
-        period: float = 0.0,
-    ) -> None:
+    def modal(self, title: str, field: str, content: Read, key: Read = lambda model: (), period: float = 0.0) -> None:
         """A card over the page. field: of the view, whether it is open, and the name of the command that closes it;
         content: its HTML; key: what that depends on."""
         card: Any = None  # the open one, whose class viser does not name
@@ -257,19 +235,21 @@ class Layout:
         """The first value, while the page is built."""
         return shown(self._model) if callable(shown) else shown
 
-    def _bind_if_read(self, shown: Any, write: Callable[[Any], None], period: float = 0.0) -> None:
+    def _bind_if_read(self, shown: Any, write: Callable[[Any], None]) -> None:
         if callable(shown):
-            self.bind(shown, write, period=period)
+            self.bind(shown, write)
+
+    def _seen_if(self, handle: Any, visible: Shown) -> Any:
+        self._bind_if_read(visible, lambda shown: put_properties(handle, visible=shown))
+        return handle
 
 
 class JointSliders:
     """One slider for each joint that moves, made again for each world. name: of each, {joint} stands for its joint;
     command: called with the number of the joint, counted among those that move, and its angle in degrees."""
 
-    def __init__(
-        self, layout: Layout, inside: AbstractContextManager, name: str, command: str, hint: str | None = None
-    ):
-        self._layout, self._inside, self._name, self._command, self._hint = layout, inside, name, command, hint
+    def __init__(self, layout: Layout, inside: AbstractContextManager, name: str, command: str, hint: str = ""):
+        self._layout, self._inside, self._name, self._command, self._hint = layout, inside, name, command, hint or None
         self._sliders: list = []
         self._generation = -1
 

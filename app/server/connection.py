@@ -28,17 +28,10 @@ class GuardedConnection(Connection):
 
     client: ClientHandle | None = None
 
-    def __init__(
-        self,
-        pending: PendingConnections,
-        seats: set["GuardedConnection"],
-        limits: Limits,
-        belongs_to_another: Callable[[str], bool],
-        *args,
-        **options,
-    ):
+    def __init__(self, pending: PendingConnections, seats: set["GuardedConnection"], limits: Limits, *args, **options):
+        self._belongs_to_another: Callable[[str], bool] = options.pop("belongs_to_another")
         super().__init__(pending, *args, **options)
-        self._seats, self._limits, self._belongs_to_another = seats, limits, belongs_to_another
+        self._seats, self._limits = seats, limits
         self._frames = TokenBucket(FRAMES_A_SECOND, FRAMES_AT_ONCE)
         self._refusals = TokenBucket(REFUSALS_A_SECOND, REFUSALS_AT_ONCE)
         self._validator: MessageValidator | None = None
@@ -63,8 +56,11 @@ class GuardedConnection(Connection):
     def take_seat(self) -> None:
         self.pending.discard(self)
         self._seats.add(self)
-        idle = lambda: self.client or self._end(CloseCode.POLICY_VIOLATION, "a seat for nobody: no page has come")
-        self._starts = self.loop.call_later(self._limits.page_within, idle)
+        self._starts = self.loop.call_later(self._limits.page_within, self._end_if_idle)
+
+    def _end_if_idle(self) -> None:
+        if self.client is None:
+            self._end(CloseCode.POLICY_VIOLATION, "a seat for nobody: no page has come")
 
     def process_event(self, event) -> None:
         if self.request is not None and not self._frames.take():

@@ -7,7 +7,8 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from string import Template
-from typing import Any
+from types import MappingProxyType
+from typing import Any, TypeAlias
 
 from viewimit import __version__
 from viewimit.drawing.glossary import glossary
@@ -27,17 +28,17 @@ STYLE_FILES = (
     "lessons/lesson.css", "view/ways.css", "lessons/paper.css", "lessons/figures/figures.css",
     "lessons/figures/limits.css", "challenge/joints.css",
 )  # fmt: skip
+Lessons: TypeAlias = Mapping[str, Lesson]
+Lab: TypeAlias = tuple[str, str | None]  # scene and robot, as settings name them
+NONE: Lessons = MappingProxyType({})
+USUAL: Lab = SHIPPED, None
 MAX_BYTES = 800_000  # of a page with one lesson
 
 
 def lesson_page(
-    lessons: Mapping[str, Lesson],
-    entry: str = ENTRY,
-    more_styles: str = "",
-    others: Mapping[str, Lesson] | None = None,
-    lab: tuple[str, str | None] = (SHIPPED, None),
+    lessons: Lessons, entry: str = ENTRY, more_styles: str = "", others: Lessons = NONE, lab: Lab = USUAL,
     ways: Ways = NO_WAYS,
-) -> str:
+) -> str:  # fmt: skip
     """Return lessons, by name in their order, as one HTML page. entry: the module that runs, a path in app/lab/;
     more_styles: CSS after the page's own; others: lessons that are served beside this page, to which it then has links
     by name; lab: scene and robot of the lab beside it, as settings name them; ways: where the header's verbs lead.
@@ -58,11 +59,7 @@ def lesson_page(
     return with_policy(page)
 
 
-def page_data(
-    lessons: Mapping[str, Lesson],
-    others: Mapping[str, Lesson] | None = None,
-    lab: tuple[str, str | None] = (SHIPPED, None),
-) -> dict[str, Any]:
+def page_data(lessons: Lessons, others: Lessons = NONE, lab: Lab = USUAL) -> dict[str, Any]:
     """Return what the page's script reads: hulls, scenes, glossary, catalogue and lessons."""
     scenes, plain = Scenes(), []
     for name, lesson in lessons.items():
@@ -70,7 +67,7 @@ def page_data(
         plain.append({**lesson_data(name, lesson, scenes), "questions": asked})
     catalogue = [
         {"name": name, "here": name in lessons, **{key: getattr(lesson, key) for key in TOLD}}
-        for name, lesson in {**(others or {}), **lessons}.items()
+        for name, lesson in {**others, **lessons}.items()
     ]
     return {
         "hulls": describe_hulls(_robot_of(lessons.values())),
@@ -81,7 +78,7 @@ def page_data(
     }
 
 
-def _with_links(scene: dict[str, Any], lab: tuple[str, str | None]) -> dict[str, Any]:
+def _with_links(scene: dict[str, Any], lab: Lab) -> dict[str, Any]:
     """The scene with the lab's preset and viewimit's name for it; None where they have no such scene."""
     plain = {name: field for name, field in scene.items() if name != "page"}
     page = scene["page"]

@@ -6,9 +6,9 @@ a duel the opponent's own query; and for the tab alone, the colours and whether 
 
 import math
 import time
-from collections.abc import Callable, Container, Iterator
+from collections.abc import Callable, Container, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 import msgspec
 import numpy as np
@@ -44,6 +44,8 @@ from .services import Services
 MAX_FRAMES = 100  # images averaged in each observation
 MAX_SCENES = 16  # described in full
 BOUNDED = {"scene", "robot", "transfer", "servo", "body_points", "frames", "sensor"}  # settings, by `require_allowed`
+SPEEDS_BY_NAME = {f"{speed:g}": speed for speed in SPEEDS.values()}
+T = TypeVar("T")
 VERSUS = "versus"  # the opponent's query
 OF_PAGE = ("preset", link.PACKED, "at", "speed", "point", VERSUS, "dark", "tour", *SWITCHES)
 EARLIER = "s"  # field of links of version 0.2
@@ -119,12 +121,13 @@ def read_link(query: str, begun: Settings) -> Linked:
         script=scripts[0],
         opponent=scripts[1] if len(scripts) > 1 else None,
         preset=preset,
-        speed=_speed(page["speed"]) if "speed" in page else preset.motions_per_second,
+        speed=_chosen("speed", page["speed"], SPEEDS_BY_NAME) if "speed" in page else preset.motions_per_second,
         at=_number("at", page["at"], MAX_HISTORY) if "at" in page else MAX_HISTORY,
         chosen=_point(page.get("point")),
-        show={name: getattr(View(), name) for name in SWITCHES} | {n: _flag(n, page[n]) for n in SWITCHES if n in page},
-        dark=_flag("dark", page["dark"]) if "dark" in page else None,
-        offers_tour=_flag("tour", page.get("tour", "1")),
+        show={name: getattr(View(), name) for name in SWITCHES}
+        | {n: _chosen(n, page[n], FLAGS) for n in SWITCHES if n in page},
+        dark=_chosen("dark", page["dark"], FLAGS) if "dark" in page else None,
+        offers_tour=_chosen("tour", page.get("tour", "1"), FLAGS),
         motion=motion,
     )
 
@@ -148,21 +151,14 @@ def _preset(key: str | None, begun: Settings) -> Preset:
     return offered[key]
 
 
-def _speed(text: str) -> float:
-    offered = {f"{speed:g}": speed for speed in SPEEDS.values()}
+def _chosen(name: str, text: str, offered: Mapping[str, T]) -> T:
     if text not in offered:
-        raise ValueError(f"the link's speed must be one of {', '.join(offered)}, got {text[:40]!r}")
+        raise ValueError(f"the link's {name} must be one of {', '.join(offered)}, got {text[:40]!r}")
     return offered[text]
 
 
 def _point(text: str | None) -> int | None:
     return None if text == "none" else -1 if text is None else _number("point", text, 1_000)
-
-
-def _flag(name: str, text: str) -> bool:
-    if text not in FLAGS:
-        raise ValueError(f"the link's {name} is neither 0 nor 1: {text[:40]!r}")
-    return FLAGS[text]
 
 
 def _number(name: str, text: str, most: int) -> int:

@@ -164,15 +164,9 @@ class Layout:
         return self._seen_if(handle, visible)
 
     def button(
-        self,
-        look: Look | Read,
-        command: str,
-        hint: str = "",
-        enabled: Shown = True,
-        visible: Shown = True,
-        **options: Any,
+        self, look: Look | Read, command: str, enabled: Shown = True, visible: Shown = True, **options: Any
     ) -> Any:
-        """A button. look: its label and icon."""
+        """A button. look: its label and icon; options: of viser's, such as hint."""
         label, icon = self._first(look)
         options |= {"disabled": not self._first(enabled), "visible": self._first(visible)}
         handle = self.gui.add_button(label, icon=icon, **options)

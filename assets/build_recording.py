@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from ..estimation.views import FourViews
 from ..experiments.bench.draws import surface_points
 from ..loop.session import Session
-from ..loop.settings import Settings
 from ..sensing.detection import FIRST_OF_DEMONSTRATOR, Fiducials
 from ..simulation.arms import open_arm
 from ..simulation.camera import Camera
@@ -182,14 +181,14 @@ class SimulatedWebcams:
         grid = np.radians([(a, b) for a in (15, 35, 55) for b in (-110, -80, -45)])
         self.studio = Studio(self.world, choose_cards(self.world, grid))
         self.lower, self.upper, self.start = scene.lower, scene.upper, np.radians(scene.start_deg)
-        self._body, self._settings = open_arm("pybullet", scene), Settings(start_deg=scene.start_deg)
+        self._body = open_arm("pybullet", scene)
         self.demonstrator = self._body.settle(np.radians(demonstrator_deg))
         self.commanded = self.start
         self.theta = self._body.settle(self.start)
         self.kept: list[dict] = []
 
     def move(self, theta: Floats) -> Floats:
-        self.theta = self._body.drive(self._settings, self.theta, self.commanded, theta)
+        self.theta = self._body.drive((), self.start, self.theta, self.commanded, theta)
         self.commanded = theta
         return theta  # the learner knows where it sent the arm, not how far that sags
 

@@ -18,6 +18,7 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from viewimit import Session, Settings
+from viewimit.loop.learner import demonstrator_average
 
 Floats = NDArray[np.float64]
 FOCALS = 0.4, 1.0  # of the picture's width: tried as a first guess
@@ -182,7 +183,7 @@ def main() -> None:
         session.run()
         now, history = session.snapshot, list(session.history)
         noise_px = NOISE_PX / np.sqrt(FRAMES)
-        average, average_px = now.demonstrator_average(noise_px, 0.0)
+        average, average_px = demonstrator_average(now, noise_px, 0.0)
         demo, demo_px = (now.views.demo, noise_px) if average is None or average_px is None else (average, average_px)
         displacement = np.array([one.theta for one in history]) - history[0].theta
         own = np.array([one.views.own for one in history])

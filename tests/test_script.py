@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from viewimit.loop.script import Action, MoveDemonstrator, Script, play_action
+from viewimit.loop.script import Action, MoveDemonstrator, Script
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
@@ -95,6 +95,6 @@ def test_a_moment_at_which_the_arm_was_held_until_enough_was_seen_is_led_to():
 
 def test_a_script_that_cannot_be_played_says_why():
     with pytest.raises(ValueError, match="servo"):
-        play_action(Session(Settings.paper()), msgspec.convert(["c", {"servo": "magic"}], type=Action))
+        Session().play(Script(Settings.paper(), (msgspec.convert(["c", {"servo": "magic"}], type=Action),)))
     with pytest.raises(ValueError, match="demonstrator"):
-        play_action(Session(Settings.paper()), MoveDemonstrator((9.0, 9.0)))
+        Session().play(Script(Settings.paper(), (MoveDemonstrator((9.0, 9.0)),)))

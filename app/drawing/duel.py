@@ -86,7 +86,7 @@ def draw_errors(standings: Sequence[Standing]) -> str:
     everything = np.maximum(np.concatenate(errors), MIN_ERROR_DEG)
     low, high = decades(everything, 0.1, 10.0)
     last = max(4, *(len(each) - 1 for each in errors))
-    plot = Axes((LEFT, TOP + 19, WIDTH - 8, TOP + MAX_HEIGHT), (0, last), (low, high), up=log10)
+    plot = Axes(LEFT, TOP + 19, WIDTH - 8, TOP + MAX_HEIGHT, (0, last), (low, high), up=log10)
     steps = [(tick, str(tick)) for tick in sorted({0, last // 2, last})]
     degrees = [(value, f"{words}°") for value, words in decade_ticks(low, high, 3)]
     parts = [plot.frame("Largest joint error", "log, over the steps", steps, degrees, LEFT)]

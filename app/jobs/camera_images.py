@@ -96,9 +96,11 @@ MOST_PX = 1280 * 720  # of an image: a look takes 0.1 s then, for which all othe
 MOST_LOOKS = 60  # whose pictures are kept, of a session: 1 MB
 
 
-class RemoteEyes:
-    """As `viewimit.simulation.eyes.SimulatedEyes`; each look blocks until its pictures are there, which are kept for a
-    while. look: as `CameraProcess.look`."""
+class RemoteEyes(SimulatedEyes):
+    """Eyes in another process. Each look blocks until its pictures are there, which are kept for a while.
+
+    look: as `CameraProcess.look`.
+    """
 
     def __init__(self, look: Callable[..., tuple], scene: Scene):
         from viewimit.simulation.rendering import NOISE_PX

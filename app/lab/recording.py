@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from viewimit.assets import ROOT
 
 from viewimit.analysis.construction import construct
-from viewimit.analysis.landscape import Landscape, conflict_at
+from viewimit.analysis.landscape import Landscape, conflict_at, seen_from
 from viewimit.analysis.observability import joint_uncertainty
 from viewimit.analysis.self_assessment import assess
 from viewimit.drawing import svg
@@ -66,7 +66,7 @@ def record(session: Session, motions: Sequence[int], chosen: int | None) -> dict
     silhouettes = Silhouettes({}, session.world)
     recorded = []
     for moment in snapshots:
-        views, recovered = moment.views, silhouettes.bodies(moment).recovered
+        views, recovered = moment.views, silhouettes.bodies(moment.theta_demo, moment.theta, moment.transfer).recovered
         seen, own_seen = (_flags(pair) for pair in np.split(views.visible, 2, 1))
         demo = {"theta": _angles(moment.theta_demo), "images": _pixels(views.demo), "seen": seen}
         recorded.append(
@@ -201,8 +201,7 @@ class _Maps:
             return {"says": FOLLOWS}
         if moment.transfer is None and not moment.usable.any():
             return {"says": TOO_FEW}
-        world, views, theta = self._world, moment.views, moment.theta_demo
-        seen = world, moment.fit, views.demo, views.visible[:, :2]
+        world, theta, seen = self._world, moment.theta_demo, seen_from(self._world, moment)
         E_true = float(conflict_at(*seen, theta[:, None])[0, 0])
         found: dict[str, Any] = {"E_true": E_true if np.isfinite(E_true) else None}
         landscape = compute_landscape(world, moment, MAP_DEG)

@@ -176,7 +176,7 @@ def _page(title: str, citation: Citation, data: dict[str, Any], meshes: bytes) -
         "made": count_motions(last),
         "software": escape(citation.software),
         "repeated": _repeated(citation),
-        "line": escape(citation.repeated_by or citation.software),
+        "line": escape(citation.command or citation.software),
     }
     parts = {name: Template(text).substitute(told, **explained) for name, text in _parts().items()}
     more_styles = "\n".join((WORDS_CSS, SCRIPTS.joinpath("view", "replay.css").read_text("utf-8")))

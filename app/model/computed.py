@@ -5,6 +5,7 @@ from functools import partial
 
 import msgspec
 
+from viewimit.analysis.landscape import seen_from
 from viewimit.analysis.minima import study_transfer
 from viewimit.analysis.observability import joint_uncertainty
 from viewimit.drawing.export.panels import COARSE_DEG, MadeLandscape, compute_landscape, landscape_key, make_landscape
@@ -204,10 +205,7 @@ def _draw_compared(asked: tuple, world: World, snapshot: Snapshot, transfer: str
     joints, theta_demo = world.scene.moving_joints, snapshot.theta_demo
     if len(joints) == 2:
         return asked, draw_compared(world.scene, study_transfer(world, snapshot, transfer), theta_demo)
-    views = snapshot.views
-    fit = partial(snapshot.fit, by=transfer)
-    spread = joint_uncertainty(world, fit, views.demo, views.visible[:, :2], theta_demo)
-    return asked, draw_costs(joints, transfer, spread)
+    return asked, draw_costs(joints, transfer, joint_uncertainty(*seen_from(world, snapshot, transfer), theta_demo))
 
 
 class Experiments:

@@ -11,7 +11,6 @@ from viewimit.analysis.trajectory import encode_motion
 from viewimit.drawing.export.panels import largest_residual
 from viewimit.loop import link
 from viewimit.loop.embodiment import to_degrees
-from viewimit.loop.link import NotReadable
 from viewimit.loop.script import Script
 from viewimit.loop.session import Session
 from viewimit.loop.settings import DISTURBANCES, Settings
@@ -101,7 +100,7 @@ def _said(script: Script, base: Settings, hides: bool, motion: bytes | None = No
         if not hides and motion is None and len(link.joined(pairs)) <= MAX_READABLE:
             link.understood(pairs, base)  # within the bounds of what is read
             return pairs
-    except (NotReadable, ValueError):
+    except ValueError:
         pass
     return [(link.PACKED, link.packed(script, motion))]
 

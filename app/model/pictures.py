@@ -17,10 +17,8 @@ from viewimit.drawing.export.figures import (
     can_render,
     can_typeset,
     draw_claims,
-    encode,
     four_images,
     overlay,
-    require_typesetter,
     stack,
     typeset_equations,
 )
@@ -64,7 +62,7 @@ def save_picture(model: PageModel, now: float) -> None:
     else:
         picture = FIGURES[what](model)
     if form == "PNG" and not can_render():
-        encode("", ".png")  # which says what is missing
+        raise ValueError(NO_PNG)
     citation = picture.citation or cite(session, model.snapshot.motion)
     model.send_made("picture", partial(_saved, name, form, picture.figure, citation))
 
@@ -81,7 +79,7 @@ def lacking() -> str:
 
 def _saved(name: str, form: str, figure: Figure | Callable[[], Figure], citation: Citation) -> Saved:
     picture = (figure() if callable(figure) else figure).captioned(citation, DRAWING_CSS)
-    return Saved(name, encode(picture, f".{form.lower()}", render))
+    return Saved(name, render(picture) if form == "PNG" else picture.encode())
 
 
 def _images(model: PageModel) -> Picture:
@@ -113,7 +111,8 @@ def _curves(model: PageModel) -> Picture:
 
 
 def _equations(model: PageModel) -> Picture:
-    require_typesetter()
+    if not can_typeset():
+        raise ValueError(f"a picture of equations needs {TYPESETTER}: {INSTALL}")
     text = equations_of(model.snapshot, model.view.chosen)
     title = f"The equations with their numbers after {count_motions(model.snapshot.motion)}"
     return Picture(partial(typeset_equations, text, title))
@@ -137,9 +136,9 @@ def _experiment(model: PageModel) -> Picture:
     if run is None or run.request is None or not run.claims:
         raise ValueError("the experiment is not done yet: run it in its tab")
     figure, asked = stack([run.figure], EXPERIMENTS[run.name].title), run.request
-    text = draw_claims(run.claims)
+    text = draw_claims([(one.name, one.paper, one.here, one.tolerance, one.holds) for one in run.claims])
     cited = cite_experiment(run.name, asked.settings, asked.options.get("motion"))
-    return Picture(append_below(figure, text) if text else figure, cited)
+    return Picture(append_below(figure, text), cited)
 
 
 FIGURES: Mapping[str, Callable[[PageModel], Picture]] = {

@@ -11,7 +11,8 @@ from .limits import TokenBucket, in_a_line
 
 TICK = 0.05  # s: poses are drawn at 20 Hz
 SPARE = 0.01  # s of a tick in which nothing more is drawn: poses go first
-PATIENCE = 0.5  # s after which a page is drawn all the same
+PATIENCE = 0.5  # s after which a page is drawn all the same,
+LATE_DRAWINGS = TICK  # as long as these take less of a round, s
 FAST = 0.4  # of a tick: for sessions that run as fast as they compute
 LEAST_FAST = 0.001  # s: one motion of each, in a round that is late
 BEAT = 1.0  # s
@@ -25,6 +26,7 @@ class Scheduler:
     def __init__(self, heartbeat: Callable[[], None] = lambda: None):
         self._heartbeat = heartbeat
         self._drawn_at: dict[Page, float] = {}  # s
+        self._late_s = 0.0  # that drawings of this round took, which is late
         self._faults = TokenBucket(1, 1)  # in the log
         self._task: concurrent.futures.Future | None = None
         self._running = False
@@ -48,14 +50,13 @@ class Scheduler:
         self._drawn_at.pop(page, None)
 
     async def _run(self) -> None:
-        due, beats_at, turn = time.monotonic(), 0.0, 0
+        due, beats_at = time.monotonic(), 0.0
         while self._running:
             if time.monotonic() >= beats_at:
                 self._heartbeat()
                 beats_at = time.monotonic() + BEAT
-            pages = list(self._drawn_at)
-            turn = (turn + 1) % max(len(pages), 1)  # another page comes first in each round
-            for page in pages[turn:] + pages[:turn]:
+            self._late_s = 0.0
+            for page in sorted(self._drawn_at, key=self._drawn_at.__getitem__):  # who waits longest comes first
                 if page in self._drawn_at:
                     self._pass(page, due)
                     await asyncio.sleep(0)  # what it drew is sent, and what comes in is read
@@ -68,9 +69,11 @@ class Scheduler:
         try:
             with page.held():
                 page.tick(now, max(due + FAST * TICK - now, LEAST_FAST))
-                if now - due < TICK - SPARE or now - self._drawn_at[page] > PATIENCE:
-                    self._drawn_at[page] = now
+                in_time = now - due < TICK - SPARE
+                if in_time or (now - self._drawn_at[page] > PATIENCE and self._late_s < LATE_DRAWINGS):
+                    self._drawn_at[page] = begins = time.monotonic()
                     page.draw()
+                    self._late_s += 0.0 if in_time else time.monotonic() - begins
         except Exception as error:  # one session's fault must not stop the others; its own page says so
             self._tell(page, error)
 

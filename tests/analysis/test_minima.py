@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from viewimit.analysis.landscape import Landscape
+from viewimit.analysis.landscape import Landscape, conflict_at, landscape_over, seen_from
 from viewimit.analysis.minima import MAX_RELATIVE_ERROR, RADII_DEG, convexity, hessian, local_minima
-from viewimit.experiments.paper.fig7 import conflict_of, over_grid
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
@@ -46,8 +45,9 @@ def test_two_basins_are_two_minima_lowest_first_and_the_edge_is_told():
 
 def test_the_real_minimum_is_where_another_method_finds_it():
     session = Session(Settings.paper())
-    E_at = conflict_of(session, "epipolar")
-    minima = local_minima(over_grid(session, "epipolar", tuple(axis[::2] for axis in AXES)), E_at)
+    seen = seen_from(session.world, session.snapshot)
+    E_at = lambda theta: conflict_at(*seen, theta)[0]
+    minima = local_minima(landscape_over(*seen, tuple(axis[::2] for axis in AXES)), E_at)
     at = lambda degrees: float(E_at(np.radians(degrees)[:, None])[0])
     other = minimize(at, [46, -90], method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-10})
     np.testing.assert_allclose(np.degrees(minima.theta), [other.x], atol=0.01)
@@ -73,7 +73,8 @@ def test_a_quartic_leaves_its_parabola_where_it_must():
 
 
 def test_the_hessian_of_the_real_E_does_not_depend_on_its_step():
-    E_at = conflict_of(Session(Settings.paper()), "epipolar")
+    session = Session(Settings.paper())
+    E_at = lambda theta: conflict_at(*seen_from(session.world, session.snapshot), theta)[0]
     theta = np.radians([[45.8, 60.0], [-89.7, -40.0]])
     h = np.radians(0.1)
     for k, found in enumerate(hessian(E_at, theta)):

@@ -85,16 +85,20 @@ def silhouettes(session):
     return Silhouettes(meshes("panda"), session.world)
 
 
+def postures(snapshot):
+    return snapshot.theta_demo, snapshot.theta, snapshot.transfer
+
+
 def drawn(session, chosen=None, silhouettes=None, snapshot=None, **options):
     silhouettes = silhouettes or Silhouettes({}, session.world)
     snapshot = snapshot or session.snapshot
     return panel.draw_images(
-        snapshot, silhouettes.bodies(snapshot), windows_of(session, silhouettes), chosen, **options
+        snapshot, silhouettes.bodies(*postures(snapshot)), windows_of(session, silhouettes), chosen, **options
     )
 
 
 def windows_of(session, silhouettes=None):
-    bodies = (silhouettes or Silhouettes({}, session.world)).bodies(session.snapshot)
+    bodies = (silhouettes or Silhouettes({}, session.world)).bodies(*postures(session.snapshot))
     return image_windows(points_in_images(bodies), session.scene.head.image)
 
 

@@ -16,7 +16,7 @@ POINT = 3
 def drawn(transfer, stage, whole=False):
     session = Session(Settings.paper(transfer=transfer))
     snapshot = session.snapshot
-    bodies = Silhouettes({}, session.world).bodies(snapshot)
+    bodies = Silhouettes({}, session.world).bodies(snapshot.theta_demo, snapshot.theta, snapshot.transfer)
     windows = image_windows(points_in_images(bodies), session.scene.head.image)
     found = construct(snapshot, POINT)
     html = draw_images(snapshot, bodies, windows, POINT, whole, construction=found, stage=stage)

@@ -26,7 +26,8 @@ def planes(session, whole, pictures):
     """Of each view: what is drawn in its box."""
     world = session.world
     vertices = {link: mesh.vertices for link, mesh in link_meshes(world.scene.robot).items()}
-    bodies = Silhouettes(vertices, world).bodies(session.snapshot)
+    now = session.snapshot
+    bodies = Silhouettes(vertices, world).bodies(now.theta_demo, now.theta, now.transfer)
     windows = image_windows(points_in_images(bodies), world.scene.head.image)
     drawn = draw_images(session.snapshot, bodies, windows, whole_frames=whole, pictures=pictures)
     parts = re.findall(r"<svg .*?</svg>", drawn, re.DOTALL)

@@ -18,7 +18,8 @@ def seen(**settings):
 
 
 def drawn(session):
-    return draw_rectified(session.snapshot, Silhouettes({}, session.world).bodies(session.snapshot))
+    now = session.snapshot
+    return draw_rectified(now, Silhouettes({}, session.world).bodies(now.theta_demo, now.theta, now.transfer))
 
 
 def test_rows_that_differ_as_seen_are_equal_when_rectified():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from viewimit import Session, Settings
-from viewimit.loop.demonstrator import average_looks
+from viewimit.loop.learner import average_looks
 
 NOISY = {"noise_px": 0.25, "frames": 25}
 

@@ -8,13 +8,13 @@ from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.simulated_robot import SimulatedObserver
 from viewimit.sensing.frames import MAX_LATENCY_LOOKS
-from viewimit.simulation.eyes import ProjectedEyes
+from viewimit.simulation.eyes import SimulatedEyes
 from viewimit.simulation.scene import load_scene
 
 START, DEMO = np.radians((25, -45)), np.radians((45, -90))
 
 
-class CountingEyes(ProjectedEyes):
+class CountingEyes(SimulatedEyes):
     """Remember what they were asked for."""
 
     def __init__(self):

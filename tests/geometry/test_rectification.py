@@ -5,10 +5,7 @@ import pytest
 from stereo_heads import EQUAL, UNLIKE, head, matches
 
 from viewimit.geometry.fundamental import epipoles, fit_fundamental
-from viewimit.geometry.rectification import (
-    fit_rectification,
-    rectify,
-)
+from viewimit.geometry.rectification import fit_rectification, rectify
 
 NEEDED = [head(12), head(3, *UNLIKE), head(20, *UNLIKE)]
 PARALLEL = [head(0), head(0, *UNLIKE)]
@@ -51,3 +48,11 @@ def test_a_batch_equals_a_loop():
     found, images = fit_rectification(left, right), np.concatenate([left, right], 1)
     together = found.apply(np.stack([images[:20], images[20:40]])[:, None])
     np.testing.assert_allclose(together.reshape(40, 4), found.apply(images[:40]))
+
+
+def test_noise_is_enlarged_as_the_derivatives_of_the_rectified_images_say():
+    left, right, _ = matches(head(20, *UNLIKE), np.random.default_rng(7))
+    found, images, step = fit_rectification(left, right), np.concatenate([left, right], 1), 1e-4
+    J = np.stack([found.apply(images + one) - found.apply(images - one) for one in step * np.eye(4)], -1) / (2 * step)
+    squares = (J**2).sum(-1)  # of the four rectified coordinates, for noise of 1 px
+    np.testing.assert_allclose(found.magnification(images) ** 2, (squares[:, ::2] + squares[:, 1::2]) / 2, rtol=1e-6)

@@ -8,7 +8,7 @@ from sameness import assert_same, error_deg
 from viewimit.loop.self_calibration import MIN_POSTURES
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.simulation.eyes import ProjectedEyes
+from viewimit.simulation.eyes import SimulatedEyes
 from viewimit.simulation.scene import Scene
 
 SETTINGS = Settings(demonstrator_deg=(45.0, -90.0), start_deg=(25.0, -45.0))
@@ -54,7 +54,7 @@ def with_points_moved(by_m):
 
     def open_eyes(camera, scene: Scene, points):
         rows = [(k, x, y + by_m * (k == 7), z) for k, x, y, z in scene.points["10"]]
-        return ProjectedEyes(msgspec.structs.replace(scene, points={"10": tuple(rows)}), points)
+        return SimulatedEyes(msgspec.structs.replace(scene, points={"10": tuple(rows)}), points)
 
     return open_eyes
 

@@ -80,7 +80,9 @@ class Timed(Counting):
         self.drawn.append(self.clock.now)
 
 
-@pytest.mark.parametrize("count, tick_s, draw_s", [(40, 0.0005, 0.005), (40, 0.002, 0.005), (7, 0.0, TICK)])
+@pytest.mark.parametrize(
+    "count, tick_s, draw_s", [(40, 0.0005, 0.005), (40, 0.002, 0.005), (60, 0.0009, 0.01), (7, 0.0, TICK)]
+)
 def test_poses_keep_their_pace_and_late_drawings_come_in_turn(event_loop, monkeypatch, count, tick_s, draw_s):
     clock = Clock()
     monkeypatch.setattr(scheduler_module, "time", clock)

@@ -17,7 +17,7 @@ from viewimit.servo import Misfit, MisfitKind, Observation
 from viewimit.servo.estimator.hypotheses import CLEAR
 from viewimit.servo.estimator.reasons import explain
 from viewimit.servo.estimator.swaps import swapped, transpositions, with_swaps
-from viewimit.simulation.eyes import ProjectedEyes
+from viewimit.simulation.eyes import SimulatedEyes
 
 sys.path.append(str(Path(__file__).parent.parent / "geometry" / "kinematics"))
 from turning_body import TurningBody, seen  # noqa: E402
@@ -95,6 +95,16 @@ def test_points_that_are_anywhere_have_no_known_reason():
     assert found.misfit == Misfit(MisfitKind.NONE) and found.margin == 0
 
 
+@SEEDS
+def test_a_body_that_differs_a_little_everywhere_is_another_body(seed):
+    places, spread = body_of(seed).places(TRUTH), 0.005
+    found = explained(seed, places + spread * np.random.default_rng(seed).normal(size=places.shape))
+    size = body_of(seed).places(np.zeros(2)).std(0).mean()
+    assert found.misfit.kind is MisfitKind.ANOTHER_BODY and found.margin == 0  # nothing is claimed
+    assert 0.5 < found.misfit.amount * size / spread < 1.5
+    assert (np.abs(found.estimate.theta - TRUTH) < 4 * found.estimate.std_error).all()
+
+
 def test_a_body_with_another_link_is_imitated_and_its_length_said():
     stretch = np.array([0.02, -0.04])
     settings = Settings(start_deg=(20, -120), demonstrator_deg=(60, -60), seed=3, **NOISY)
@@ -167,7 +177,7 @@ def through_a_lens(k1):
             msgspec.structs.replace(eye, distortion=(k1, 0.0)) for eye in (scene.head.left, scene.head.right)
         )
         head = msgspec.structs.replace(scene.head, left=left, right=right)
-        return ProjectedEyes(msgspec.structs.replace(scene, head=head), points)
+        return SimulatedEyes(msgspec.structs.replace(scene, head=head), points)
 
     return eyes
 

@@ -17,7 +17,7 @@ from viewimit.loop.settings import Settings
 from viewimit.loop.simulated_robot import demo_order
 from viewimit.servo import ServoStatus
 from viewimit.servo.estimator.naming import hat_matrix, without_point
-from viewimit.simulation.eyes import ProjectedEyes
+from viewimit.simulation.eyes import SimulatedEyes
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -91,7 +91,7 @@ def test_two_answers_of_a_symmetric_body_are_reported_and_nothing_is_claimed():
     assert "two answers" in last.servo.describe_status(last.servo_state, last.status)
 
 
-class OtherBody(ProjectedEyes):
+class OtherBody(SimulatedEyes):
     """A demonstrator whose points are anywhere in the box of the body's."""
 
     def demo_images(self, theta):

@@ -16,9 +16,8 @@ GOAL = np.radians([45.0, -90.0])
 
 @needed
 def test_an_arm_sags_and_obeys_and_repeats_itself():
-    arm, settings = arms.open_arm("pybullet", load_scene("panda")), Settings(start_deg=(25, -25))
-    drive = lambda theta, commanded: arm.drive(settings, theta, theta, commanded)
-    start = np.radians([25.0, -25.0])
+    arm, start = arms.open_arm("pybullet", load_scene("panda")), np.radians([25.0, -25.0])
+    drive = lambda theta, commanded: arm.drive((), start, theta, theta, commanded)
     reached = drive(start, GOAL)
     sag = np.degrees(reached - GOAL)
     assert 0.02 < np.abs(sag).max() < 0.5 and sag[0] > 0  # joint 2 leans forwards

@@ -15,7 +15,7 @@ from ..loop.session import Session
 from ..loop.settings import Settings
 from ..loop.snapshot import Snapshot
 from ..simulation.scene import Scene
-from .landscape import grid_axes, landscape_over
+from .landscape import grid_axes, landscape_over, seen_from
 
 STARTS = 4, 5  # of the two joints
 MAX_MOTIONS = 300
@@ -76,8 +76,7 @@ def find_basin(
 
 def smallest_E(session: Session) -> NDArray[np.float64]:
     """Return the grid posture with the smallest E for the demonstrator as now seen, (2,) rad; NaN if there is none."""
-    views, world = session.snapshot.views, session.world
-    return landscape_over(world, session.snapshot.fit, views.demo, views.visible[:, :2], grid_axes(world)).minimum
+    return landscape_over(*seen_from(session.world, session.snapshot), grid_axes(session.world)).minimum
 
 
 def place_of(theta: NDArray[np.float64], theta_demo: NDArray[np.float64], lowest: NDArray[np.float64]) -> Place:

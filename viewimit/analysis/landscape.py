@@ -17,6 +17,7 @@ from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS
 from ..geometry.small_matrices import keep_freed_memory
 from ..loop.session import Session
+from ..loop.snapshot import Snapshot
 from ..simulation.robot import Angles
 from ..simulation.world import World
 
@@ -169,10 +170,16 @@ def landscape(
         raise ValueError(f"no transfer {by!r}; there are {', '.join(TRANSFERS)}")
     if not session.snapshot.views.matched:
         raise ValueError("the demonstrator's points have no names yet, so there is no E: make the probes first")
-    now, step = session.snapshot, STEP_DEG[session.settings.sensor] if step_deg is None else step_deg
-    fit = partial(now.fit, by=by)
-    demo, seen = now.views.demo, now.views.visible[:, :2]
-    return landscape_over(session.eyes, fit, demo, seen, grid_axes(session.world, step), with_condition)
+    step = STEP_DEG[session.settings.sensor] if step_deg is None else step_deg
+    seen = seen_from(session.eyes, session.snapshot, by)
+    return landscape_over(*seen, grid_axes(session.world, step), with_condition)
+
+
+def seen_from(
+    world: World | OwnImages, now: Snapshot, by: str | None = None
+) -> tuple[World | OwnImages, Callable, NDArray[np.float64], NDArray[np.bool_]]:
+    """Return the first arguments of `conflict_at`, of the demonstrator as the learner now has it. by: the transfer."""
+    return world, partial(now.fit, by=by), now.views.demo, now.views.visible[:, :2]
 
 
 def landscape_over(
@@ -209,23 +216,9 @@ def conflict_at(
 ) -> NDArray[np.float64]:
     """Compute E at any postures, with the learner's images undisturbed.
 
-    Parameters
-    ----------
-    world : World or OwnImages
-        Gives the learner's images.
-    fit : callable
-        Fits a transfer to `FourViews`.
-    demo, demo_visible : (N, 4) px and (N, 2) arrays
-        The demonstrator's images as the learner has them.
-    theta : m arrays
-        Postures, rad, broadcast against each other.
-    with_condition : bool
-        Whether to compute the transfer's condition number as well.
-
-    Returns
-    -------
-    (1 or 2, ...) array
-        E, px², and the condition number.
+    world: gives the learner's images; fit: fits a transfer to `FourViews`; demo, demo_visible: (N, 4) px and (N, 2),
+    the demonstrator's images as the learner has them; theta: m arrays of rad, broadcast against each other. Returns
+    (1 or 2, ...): E [px²] and, with_condition, the transfer's condition number.
     """
     keep_freed_memory()
     own, own_visible = world.own_images(theta)

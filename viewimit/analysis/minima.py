@@ -6,14 +6,13 @@ value, because an affine camera leaves both a little off the demonstrator's.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..loop.snapshot import Snapshot
 from ..simulation.world import World
-from .landscape import Landscape, conflict_at, grid_axes, landscape_over
+from .landscape import Landscape, conflict_at, grid_axes, landscape_over, seen_from
 
 MIN_STEP_RAD = np.radians(1e-4)  # the descent ends with smaller steps
 SAME_MINIMUM_RAD = np.radians(0.1)  # descents that end nearer to each other have found one minimum
@@ -57,10 +56,9 @@ def study_transfer(world: World, snapshot: Snapshot, transfer: str) -> TransferS
 
     Raises ValueError unless two joints move.
     """
-    views, fit = snapshot.views, partial(snapshot.fit, by=transfer)
-    demo, visible = views.demo, views.visible[:, :2]
-    found = landscape_over(world, fit, demo, visible, grid_axes(world))
-    minima = local_minima(found, lambda theta: conflict_at(world, fit, demo, visible, theta)[0])
+    seen = seen_from(world, snapshot, transfer)
+    found = landscape_over(*seen, grid_axes(world))
+    minima = local_minima(found, lambda theta: conflict_at(*seen, theta)[0])
     bias = np.degrees(minima.theta[0] - snapshot.theta_demo) if len(minima) else np.full(2, np.nan)
     return TransferStudy(transfer, found, minima, found.basin_fraction(), bias)
 
@@ -88,21 +86,8 @@ def descend(
     A step goes to the lowest of eight neighbours and Newton's point; it is halved if all are higher. Newton's point
     leads along narrow valleys, whose floor no compass hits; the compass leads where E has a crease.
 
-    Parameters
-    ----------
-    E_at : callable
-        As for `local_minima`.
-    theta : (k, 2) array
-        Starts, rad.
-    bounds : (2, 2) array
-        Lowest and highest angle of each joint, rad.
-    max_step : float
-        rad. No step is longer, so that none jumps over a basin of the grid's size.
-
-    Returns
-    -------
-    (k, 2) array, (k,) array
-        Ends, rad, and E there, px².
+    E_at: as for `local_minima`; theta: (k, 2) rad, starts; bounds: (2, 2) rad, lowest and highest angle of each joint;
+    max_step: rad, so that no step jumps over a basin of the grid's size. Returns the ends, (k, 2) rad, and E there.
     """
     theta, step = theta.copy(), np.full(len(theta), max_step)
     E = E_at(theta.T) if len(theta) else np.empty(0)

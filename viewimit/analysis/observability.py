@@ -74,23 +74,11 @@ def weak_joints(std_per_px: ArrayLike) -> list[int]:
 def joint_uncertainty(
     world: World, fit: Callable, demo: NDArray[np.float64], demo_visible: NDArray[np.bool_], theta: ArrayLike
 ) -> NDArray[np.float64] | None:
-    """Return the standard error of each joint under 1 px of noise in the learner's own images.
+    """Return the standard error of each joint, (m,) rad/px, under 1 px of noise in the learner's own images.
 
-    Parameters
-    ----------
-    world : World
-        Gives the learner's own images.
-    fit : callable
-        Fits a transfer to `FourViews`.
-    demo, demo_visible : (N, 4) px and (N, 2) arrays
-        The demonstrator's images as the learner has them.
-    theta : (m,) array
-        The learner's posture, rad. Only points seen there count.
-
-    Returns
-    -------
-    (m,) array or None
-        rad/px; None if too few points are visible.
+    world: gives these images; fit: fits a transfer to `FourViews`; demo, demo_visible: (N, 4) px and (N, 2), the
+    demonstrator's images as the learner has them; theta: (m,) rad, the learner's posture. Only points seen there count.
+    None if they are too few.
     """
     theta = np.asarray(theta, float)
     _, own_visible = world.own_images(theta)
@@ -183,32 +171,11 @@ def sample_estimates(
     rng: np.random.Generator,
     noisy_demo: bool = True,
 ) -> NDArray[np.float64]:
-    """Draw noisy images and return the posture that minimises E for each draw (Monte Carlo).
+    """Draw noisy images and return the posture that minimises E for each draw, (runs, m) rad (Monte Carlo).
 
-    All draws are searched at once by damped Gauss-Newton steps from the demonstrator's own posture.
-
-    Parameters
-    ----------
-    world, fit
-        As for `joint_uncertainty`.
-    theta_demo : (m,) array
-        The demonstrator's posture, rad.
-    noise_px : float
-        Standard deviation of each image coordinate.
-    frames, runs : int
-        Images averaged for each draw; number of draws.
-    noisy_demo : bool
-        Whether the demonstrator's images have noise too.
-
-    Returns
-    -------
-    (runs, m) array
-        Postures, rad. Their variance is that of the estimator.
-
-    Raises
-    ------
-    ValueError
-        If a point is out of sight in that posture.
+    All draws are searched at once by damped Gauss-Newton steps from the demonstrator's own posture, theta_demo. fit: as
+    for `joint_uncertainty`; noise_px: standard deviation of a coordinate; frames: averaged in each draw; noisy_demo:
+    whether the demonstrator's images have noise, too. Raises ValueError if a point is out of sight in that posture.
     """
     theta_demo = np.asarray(theta_demo, float)
     demo, visible = world.demo_images(theta_demo)

@@ -53,21 +53,11 @@ class TrackedBody:
 
 @dataclass(frozen=True)
 class NamedPoints:
-    """The demonstrator's points in the order of the learner's own.
+    """The demonstrator's points in the order of the learner's own."""
 
-    Parameters
-    ----------
-    views
-        T frames of the learner's N points, (T, N, …) px; without any of the demonstrator's if no naming explains them.
-    naming
-        The best one that was found, in px; None if none was.
-    frame
-        Index of the frame in which it was found.
-    """
-
-    views: FourViews
-    naming: Naming | None
-    frame: int
+    views: FourViews  # T frames of the learner's N points, px; without any of the demonstrator's if no naming fits them
+    naming: Naming | None  # the best one that was found, in px; None if none was
+    frame: int  # index of the frame in which it was found
 
 
 def learn_tracked_body(

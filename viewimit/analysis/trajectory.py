@@ -197,18 +197,8 @@ def follow(
 ) -> Trajectory:
     """Imitate a motion with a frozen transfer, from the session's present posture. The session does not change.
 
-    Parameters
-    ----------
-    session : Session
-        The learner.
-    transfer : FittedTransfer
-        Transfers the demonstrator's points to target points.
-    motion : Motion
-        The demonstrator's motion.
-    followed : (N,) bool array
-        Points that image-based servoing takes to their targets.
-    tell : callable
-        Receives the share done after each frame.
+    followed: (N,) bool, the points that image-based servoing takes to their targets; tell: receives the share done
+    after each frame.
     """
     settings, world, eyes = session.settings, session.world, session.eyes
     (low, high), max_step = session.workspace, settings.max_step

@@ -8,7 +8,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from ..analysis.landscape import Landscape, conflict_at, landscape
+from ..analysis.landscape import Landscape, conflict_at, landscape, seen_from
 from ..analysis.results import figure, posture
 from ..drawing.export import figures
 from ..drawing.landscape import LandscapePicture
@@ -55,7 +55,7 @@ def run(args: argparse.Namespace) -> int:
     with naming("--scene, --joints"):
         found = landscape(session, args.step_deg)
     now = session.snapshot
-    (there,) = conflict_at(session.eyes, now.fit, now.views.demo, now.views.visible[:, :2], now.theta_demo[:, None])
+    (there,) = conflict_at(*seen_from(session.eyes, now), now.theta_demo[:, None])
     if args.out:
         with naming("--out"):
             _write(args.out, found, session.scene, now)

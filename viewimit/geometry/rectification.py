@@ -43,6 +43,13 @@ class Rectification:
         """Map rectified images (..., N, 4) px back."""
         return _map_both(images, *self._inverses)
 
+    def magnification(self, images: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Factor by which it enlarges noise of images (..., 4) px, the rms of all directions: (..., 2), of each image.
+
+        It differs from point to point where an epipole is near.
+        """
+        return np.stack([_enlarged(images[..., :2], self.left), _enlarged(images[..., 2:], self.right)], -1)
+
     def in_units(self, unit_px: float) -> "Rectification":
         """Return the rectification of images in units of unit_px pixels; the same object for the same unit."""
         if unit_px not in self._by_unit:
@@ -160,6 +167,13 @@ def _map(points: NDArray, H: NDArray) -> NDArray:
     """Map points (..., 2) by a homography."""
     mapped = points @ H[:, :2].T + H[:, 2]
     return mapped[..., :2] / np.maximum(mapped[..., 2:], MIN_DENOMINATOR)
+
+
+def _enlarged(points: NDArray, H: NDArray) -> NDArray:
+    """Rms singular value of the derivative of a homography at points (..., 2)."""
+    depth = np.maximum(points @ H[2, :2] + H[2, 2], MIN_DENOMINATOR)[..., None, None]
+    J = (H[:2, :2] - _map(points, H)[..., None] * H[2, :2]) / depth
+    return np.sqrt((J**2).sum((-1, -2)) / 2)
 
 
 def _cross_matrix(v: NDArray) -> NDArray:

@@ -1,19 +1,14 @@
-"""The protocols of a robot and its cameras: an arm of your own, eyes of your own, and how a session uses both.
-
-`Arm` and `Eyes` are what you write for a real robot. The other protocols have two implementations each, one for a
-simulated scene and one for an arm and eyes. They know no scene, no world and no ground truth.
-"""
+"""What you write for a real robot, `Arm` and `Eyes`, and the limits that hold for every arm."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ..estimation.views import FourViews
-from .self_calibration import Body
 from .settings import Settings
-from .snapshot import Limits, Snapshot
+from .snapshot import Limits
 
 TOLERANCE_DEG = 1e-6  # beyond a limit
 TOLERANCE_WAYPOINTS = 1e-9  # in numbers of motions: the rounding error of their sum
@@ -90,246 +85,15 @@ class Eyes(Protocol):
         ...
 
 
-class Observer(Protocol):
-    """How both bodies are seen: m joints, N points matched by index."""
-
-    sees_any_posture: ClassVar[bool]  # False: only the posture where the arm is
-
-    def four_views(
-        self, settings: Settings, theta: NDArray[np.float64], theta_demo: NDArray[np.float64], look: int
-    ) -> FourViews:
-        """Look at both bodies.
-
-        Parameters
-        ----------
-        settings : Settings
-            Give the disturbances of simulated images.
-        theta, theta_demo : (m,) array
-            Where the arms of the learner and of the demonstrator are [rad].
-        look : int
-            Number of this look.
-
-        Returns
-        -------
-        FourViews
-            The image points of both bodies [px].
-        """
-        ...
-
-    def demonstrator_look(
-        self, settings: Settings, theta_demo: NDArray[np.float64], look: int | None
-    ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-        """Return what the last of `four_views` showed of the demonstrator, which stands still.
-
-        Parameters
-        ----------
-        settings, theta_demo, look
-            As of `four_views`, which itself keeps the first look at each posture; None for that one.
-
-        Returns
-        -------
-        (N, 4) and (N, 2) arrays
-            Its points in [l, r] [px], and whether they are visible.
-        """
-        ...
-
-    def fixed_noise_px(self) -> float:
-        """Return the part of the noise that no averaging reduces: standard deviation [px]."""
-        ...
-
-    def image_noise_std(self, settings: Settings) -> float:
-        """Estimate the noise of a coordinate in `four_views`.
-
-        Parameters
-        ----------
-        settings : Settings
-            As of `four_views`.
-
-        Returns
-        -------
-        float
-            Standard deviation [px].
-        """
-        ...
-
-    def wait_for_motion(self, now: Snapshot, theta: NDArray[np.float64]) -> tuple[int, int | None]:
-        """Wait until an image shows a motion.
-
-        Parameters
-        ----------
-        now : Snapshot
-            Before the motion.
-        theta : (m,) array
-            Where the arm is after it [rad].
-
-        Returns
-        -------
-        n_looks : int
-            Looks that have passed.
-        lag : int or None
-            The latency of the images, in looks. None if the motion does not show.
-        """
-        ...
-
-
-class Embodiment(Protocol):
-    """The learner's arm, of m joints, and its view of the demonstrator. Postures are (m,) rad."""
-
-    @property
-    def lower(self) -> NDArray[np.float64]:
-        """(m,) rad: lowest angles of the joints."""
-        ...
-
-    @property
-    def upper(self) -> NDArray[np.float64]:
-        """(m,) rad: highest angles of the joints."""
-        ...
-
-    def require_posture(self, theta: ArrayLike, whose: str) -> NDArray[np.float64]:
-        """Check a posture.
-
-        Parameters
-        ----------
-        theta : (m,) array
-            Angles [rad].
-        whose : str
-            Names the posture in the message.
-
-        Returns
-        -------
-        (m,) array
-            A copy of theta.
-
-        Raises
-        ------
-        ValueError
-            For a wrong number of angles, NaN, or an angle beyond its limits.
-        """
-        ...
-
-    def body(self, settings: Settings) -> Body:
-        """Describe the body, for a calibration.
-
-        Parameters
-        ----------
-        settings : Settings
-            Of the session.
-
-        Returns
-        -------
-        Body
-            What a calibration with these settings would hold for.
-        """
-        ...
-
-    def demonstrator(self, settings: Settings) -> NDArray[np.float64]:
-        """Read the demonstrator's posture from settings.
-
-        Parameters
-        ----------
-        settings : Settings
-            ValueError if the posture is beyond its limits.
-
-        Returns
-        -------
-        (m,) array
-            Angles [rad]; NaN where they are unknown.
-        """
-        ...
-
-    def settle_demonstrator(self, theta_demo: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Move the demonstrator.
-
-        Parameters
-        ----------
-        theta_demo : (m,) array
-            Where it is sent [rad].
-
-        Returns
-        -------
-        (m,) array
-            Where it comes to rest [rad]; NaN where that is unknown.
-        """
-        ...
-
-    def drive(
-        self,
-        settings: Settings,
-        theta: NDArray[np.float64],
-        sent: NDArray[np.float64],
-        commanded: NDArray[np.float64],
-    ) -> NDArray[np.float64]:
-        """Move the learner's arm.
-
-        Parameters
-        ----------
-        settings : Settings
-            Give the disturbances of a simulated arm.
-        theta : (m,) array
-            Where it is [rad].
-        sent : (m,) array
-            Where it was last sent [rad].
-        commanded : (m,) array
-            Where it is sent now [rad].
-
-        Returns
-        -------
-        (m,) array
-            Where it comes to rest [rad].
-        """
-        ...
-
-    def revisit(self, settings: Settings, sent: NDArray[np.float64], commanded: NDArray[np.float64]) -> None:
-        """Bring the arm back to where a past snapshot had it.
-
-        Parameters
-        ----------
-        settings : Settings
-            Of that snapshot.
-        sent : (m,) array
-            Where it was last sent [rad].
-        commanded : (m,) array
-            Where that snapshot had sent it [rad].
-        """
-        ...
-
-    def observer(self, theta_rest: NDArray[np.float64]) -> Observer:
-        """Make an observer of both bodies.
-
-        Parameters
-        ----------
-        theta_rest : (m,) array
-            The learner's start [rad], where it measures the noise of its images.
-
-        Returns
-        -------
-        Observer
-            Sees the learner and the demonstrator.
-        """
-        ...
-
-
 @dataclass(frozen=True)
 class SessionStart:
     """A session at its beginning."""
 
     settings: Settings  # complete
-    embodiment: Embodiment
     start: NDArray[np.float64]  # (m,) rad, where the learner was sent
     theta: NDArray[np.float64]  # (m,) rad, where it is
     theta_demo: NDArray[np.float64]  # (m,) rad, where the demonstrator is; NaN where it is unknown
     workspace: Limits  # of the learner
-
-
-class Opener(Protocol):
-    """Makes the arms and cameras that settings ask for, and brings both arms to their first postures."""
-
-    def __call__(self, settings: Settings, sent: NDArray[np.float64] | None) -> SessionStart:
-        """sent: (m,) rad, where the learner was last sent; None if it never was.
-
-        Raises ValueError, with everything as it was, for impossible settings.
-        """
-        ...
 
 
 def workspace(settings: Settings, lower: NDArray[np.float64], upper: NDArray[np.float64]) -> Limits:

@@ -20,17 +20,22 @@ from ..estimation.rectification import MAX_LOOKS, update_rectification
 from ..estimation.residuals import VELOCITY_LOOKS, PredictedResiduals, target_velocity
 from ..estimation.views import FourViews
 from ..geometry.rectification import Rectification
+from ..sensing.frames import MIN_FRAMES, average_frames, noise_std
 from ..servo import Observation, ServoState
-from ..servo.observation import repeat_xy
+from ..servo.observation import Visit, repeat_xy
 from ..servo.status import ServoStatus
-from . import rehearsal
-from .demonstrator import MAX_DEMO_LOOKS, Images
-from .embodiment import Embodiment, Observer, waypoints
+from .embodiment import waypoints
 from .history import MAX_HISTORY
+from .real_robot import RealObserver, RealRobot
 from .self_calibration import MIN_POSTURES
 from .settings import Settings, level_outside
-from .snapshot import Limits, Snapshot
+from .simulated_robot import SimulatedObserver, SimulatedRobot
+from .snapshot import Images, Limits, Snapshot
 
+MAX_DEMO_LOOKS = 64  # that are remembered
+OWN_NOISE_COUNTS = 8  # differences of images that the noise of the own images counts as much as
+Embodiment = SimulatedRobot | RealRobot
+Observer = SimulatedObserver | RealObserver
 Past = Sequence[Snapshot]  # the last ones, the present one last
 
 
@@ -51,8 +56,7 @@ class Learner:
         """
         now = past[-1]
         if now.pending_postures is not None and now.is_rehearsing:
-            after = self._moved(past, now, now.pending_postures[0], probe=True)
-            return rehearsal.record(after, self.embodiment.lower)
+            return self._recorded(self._moved(past, now, now.pending_postures[0], probe=True))
         if now.motion >= MAX_HISTORY:
             return now.with_fields(status=ServoStatus.MAX_MOTIONS)
         if now.target is not None:
@@ -90,6 +94,16 @@ class Learner:
             asked = f"the servo {servo.title!r} asks for a motion of {displacement} rad"
             warnings.warn(f"{asked}, a turn or more beyond the limits: are these degrees?", stacklevel=level_outside())
         return state, displacement
+
+    def _recorded(self, after: Snapshot) -> Snapshot:
+        """Record the images after a motion of a rehearsal, if the arm has arrived."""
+        assert after.pending_postures is not None and after.calibration is not None
+        pending, calibration = after.pending_postures, after.calibration
+        if after.target is None:
+            visit = Visit.of(after.commanded - self.embodiment.lower, after.views.own, after.views.visible[:, 2:])
+            pending, calibration = pending[1:], calibration.with_visit(visit)
+        status = ServoStatus.REHEARSING if len(pending) else after.awake_status
+        return after.with_fields(calibration=calibration, pending_postures=pending, status=status)
 
     def _moved(self, past: Past, now: Snapshot, target: NDArray[np.float64], **changes: Any) -> Snapshot:
         """Drive the arm towards the target, (m,) rad, within its limits, and look. `changes` are other new fields."""
@@ -145,8 +159,8 @@ class Learner:
         if not begins and "look" not in changes:
             return like.demo_looks
         if begins or not same_demonstrator(seen, like):
-            return (self.observer.demonstrator_look(seen.settings, seen.theta_demo, None),)
-        look = self.observer.demonstrator_look(seen.settings, seen.theta_demo, seen.look)
+            return (self.observer.demo(seen.settings, seen.theta_demo, None),)
+        look = self.observer.demo(seen.settings, seen.theta_demo, seen.look)
         last = like.demo_looks[-1]
         if look is last or all(map(np.array_equal, look, last)):  # without noise, by whichever session's eyes
             return like.demo_looks
@@ -174,7 +188,7 @@ class Learner:
         """Select what a servo is given of a snapshot: image points and displacements, no posture."""
         noise_px, start = self.observer.image_noise_std(now.settings), now.settings.start_rad
         demo_seen, seen = now.views.visible[:, :2], now.views.visible[:, 2:]
-        average, demo_noise_px = now.demonstrator_average(noise_px, self.observer.fixed_noise_px())
+        average, demo_noise_px = demonstrator_average(now, noise_px, self.observer.fixed_noise_px())
         known = now.calibration if now.calibration is not None and len(now.calibration) >= MIN_POSTURES else None
         return Observation(
             own=now.views.own if now.views.complete else np.where(repeat_xy(seen), now.views.own, np.nan),
@@ -202,8 +216,59 @@ class Learner:
         past: up to the present one; now: gives the demonstrator's images; mirror_columns: as of `PredictedResiduals`.
         It maps own images (..., N, 4) px to residuals (..., n, C) px.
         """
-        velocity = target_velocity([one.views for one in past[-VELOCITY_LOOKS:]])
-        return now.predicted_residuals(velocity, self.observer.image_noise_std(now.settings), mirror_columns)
+        return PredictedResiduals(
+            now.views,
+            now.method,
+            now.rectification,
+            noise_px=self.observer.image_noise_std(now.settings),
+            velocity=target_velocity([one.views for one in past[-VELOCITY_LOOKS:]]),
+            converged=now.converged_transfer,
+            mirror_columns=mirror_columns,
+        )
+
+
+def demonstrator_average(
+    now: Snapshot, noise_px: float, fixed_px: float
+) -> tuple[NDArray[np.float64] | None, float | None]:
+    """Average all looks at the demonstrator since it last moved; noise_px, fixed_px: as of `average_looks`.
+
+    Returns its points in [l, r], (N, 4) px, in the order of the views, NaN where no look shows a point, or it is an
+    outlier; and the standard deviation of a coordinate [px]. Both are None if there is one look only.
+    """
+    if len(now.demo_looks) < 2:
+        return None, None
+    (points, visible), noise_px = average_looks(now.demo_looks, noise_px, fixed_px)
+    first, average = _in_order(now, *now.demo_looks[0]), _in_order(now, points, visible)
+    rejected = first.visible[:, :2] & ~now.views.visible[:, :2]
+    return np.where(repeat_xy(average.visible[:, :2] & ~rejected), average.demo, np.nan), noise_px
+
+
+def _in_order(now: Snapshot, demo: NDArray[np.float64], visible: NDArray[np.bool_]) -> FourViews:
+    """Put the demonstrator's points, (N, 4) px, in the order of the views. visible: (N, 2)."""
+    views = FourViews(demo, now.views.own, np.concatenate([visible, now.views.visible[:, 2:]], -1))
+    if not now.settings.matched and now.views.matched and now.says.names is not None:
+        views = views.named(now.says.names)
+    return views.permuted(now.exchanged)
+
+
+def average_looks(looks: Sequence[Images], noise_px: float, fixed_px: float) -> tuple[Images, float]:
+    """Average looks at a body that stands still, and estimate the noise of the mean [px] by what the looks differ.
+
+    noise_px: of a coordinate in a look, as of the own images; fixed_px: the part of it that no averaging reduces. Too
+    few looks to outvote an outlier, or equal ones, which show no noise but an error that all have: the first of those
+    that show the most points.
+    """
+    fullest = max(looks, key=lambda look: int(np.count_nonzero(look[1])))
+    if len(looks) < MIN_FRAMES:
+        return fullest, noise_px
+    points, visible = np.array([one for one, _ in looks]), np.array([seen for _, seen in looks])
+    measured = noise_std(points, visible)
+    if measured == 0:
+        return fullest, noise_px
+    differences = 2 * int(np.count_nonzero(visible[1:] & visible[:-1]))
+    squares = OWN_NOISE_COUNTS * noise_px**2 + differences * measured**2
+    single = np.sqrt(squares / (OWN_NOISE_COUNTS + differences))
+    return average_frames(points, visible), float(np.hypot(single / np.sqrt(len(looks)), fixed_px))
 
 
 def _at_rest(now: Snapshot, state: Any) -> Snapshot:

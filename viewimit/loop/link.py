@@ -48,10 +48,6 @@ ACTIONS = ("steps", "looks", "begin", "forget", "rehearse", *FIELDS)  # words th
 Pairs = Sequence[tuple[str, str]]
 
 
-class NotReadable(ValueError):
-    """A query cannot say this; `packed` can."""
-
-
 class Packed(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
     """What stands in `x`: a script, and a recorded motion of the demonstrator as its file."""
 
@@ -73,8 +69,8 @@ def joined(pairs: Pairs) -> str:
 
 def said(script: Script, base: Settings) -> list[tuple[str, str]]:
     """Say a script in the fields of a query. script: what to say; base: what the reader knows without being told, such
-    as the settings of a preset, complete. Returns words and their values, in order. Raises NotReadable if no field
-    stands for something of it."""
+    as the settings of a preset, complete. Returns words and their values, in order. Raises ValueError if no field
+    stands for something of it; `packed` can say that."""
     pairs = list(_differences(script.settings, base))
     has_begun = False  # whether a session is at work: a change then is no part of what it begins with
     for action in script.actions:
@@ -110,7 +106,7 @@ def _changed(action: ChangeSettings) -> tuple[str, str]:
     """Say a change of one setting; `demo` would be a move, and fields in a row are changes one after another."""
     names = list(action.fields)
     if len(names) != 1 or names[0] not in WORDS or names[0] == "demonstrator_deg":
-        raise NotReadable(f"no field says a change of {' and '.join(names)}")
+        raise ValueError(f"no field says a change of {' and '.join(names)}")
     return WORDS[names[0]], _plain(action.fields[names[0]])
 
 
@@ -118,7 +114,7 @@ def _differences(settings: Settings, base: Settings) -> Iterator[tuple[str, str]
     for name in Settings.__struct_fields__:
         if (value := getattr(settings, name)) != getattr(base, name):
             if name not in WORDS:
-                raise NotReadable(f"no field says {name}")
+                raise ValueError(f"no field says {name}")
             yield WORDS[name], _plain(value)
 
 

@@ -33,7 +33,7 @@ from .embodiment import (
 )
 from .self_calibration import Body
 from .settings import Settings
-from .snapshot import Snapshot
+from .snapshot import Images, Snapshot
 
 REST_LOOKS = 8  # pictures of the own body at rest that measure the noise
 MIN_MOVE_PX = 0.01  # of a coordinate in images of typical size: a demonstrator that moves by less stands still
@@ -47,11 +47,9 @@ SETTINGS_OF_ROBOT = (  # fields of Settings that a real robot has; all others ar
 SETTINGS_FOUND = ("scene", "points")  # fields that the arm's name and the eyes' points set
 MAX_TURNS = 4  # of a joint, to either side
 
-Images = tuple[NDArray[np.float64], NDArray[np.bool_]]  # of one body: points (N, 4) px, visible (N, 2)
-
 
 class RealObserver:
-    """See `embodiment.Observer`. Its images of the demonstrator stay until that moves, or shows more points."""
+    """How both bodies are seen. Its images of the demonstrator stay until that moves, or shows more points."""
 
     sees_any_posture: ClassVar[bool] = False
 
@@ -70,13 +68,13 @@ class RealObserver:
         demo, demo_visible = self._demonstrator(self._demo_look, self.image_noise_std(settings))
         return FourViews(demo, merged[:, 4:], np.concatenate([demo_visible, visible[:, 2:]], -1))
 
-    def demonstrator_look(self, settings: Settings, theta_demo: NDArray[np.float64], look: int | None) -> Images:
-        """See `embodiment.Observer`."""
+    def demo(self, settings: Settings, theta_demo: NDArray[np.float64], look: int | None = None) -> Images:
+        """What the last of `four_views` showed of the demonstrator, which stands still."""
         assert self._demo_look is not None
         return self._demo_look
 
     def fixed_noise_px(self) -> float:
-        """See `embodiment.Observer`."""
+        """Return the part of the noise that no averaging reduces: standard deviation [px]."""
         return float(np.hypot(self._noises_px()[1], _extra_noise_px(self._eyes)))
 
     def image_noise_std(self, settings: Settings) -> float:
@@ -187,7 +185,7 @@ def _n_visible(images: Images) -> int:
 
 @dataclass(frozen=True)
 class RealRobot:
-    """See `embodiment.Embodiment`."""
+    """The learner's arm, of m joints, and its view of the demonstrator. Postures are (m,) rad."""
 
     arm: Arm
     eyes: Eyes
@@ -244,7 +242,7 @@ class RealRobot:
 
 
 class RealRobotOpener:
-    """See `embodiment.Opener`. name: of the arm. A calibration is only used with an arm of the same name."""
+    """Brings the arm to its first posture. name: of the arm, for calibrations."""
 
     def __init__(self, arm: Arm, eyes: Eyes, name: str):
         _require_members("the arm", arm, Arm)
@@ -253,7 +251,7 @@ class RealRobotOpener:
         self._lower, self._upper = _limits(arm)
         self._robot: RealRobot | None = None
 
-    def __call__(self, settings: Settings, sent: NDArray[np.float64] | None) -> SessionStart:
+    def __call__(self, settings: Settings, sent: NDArray[np.float64] | None) -> tuple[RealRobot, SessionStart]:
         _require(settings)
         low, high = workspace(settings, self._lower, self._upper)
         asked = self._arm.start if settings.start_deg is None else np.radians(settings.start_deg)
@@ -264,7 +262,7 @@ class RealRobotOpener:
         robot = RealRobot(self._arm, self._eyes, self._name, points, self._lower, self._upper)
         theta, self._robot = robot.move(start if sent is None else sent, start, settings.max_step), robot
         settings = msgspec.structs.replace(settings, scene=self._name, points=points, start_deg=to_degrees(start))
-        return SessionStart(settings, robot, start, theta, robot.demonstrator(settings), (low, high))
+        return robot, SessionStart(settings, start, theta, robot.demonstrator(settings), (low, high))
 
 
 def _require_members(what: str, given: object, protocol: type) -> None:

@@ -7,13 +7,11 @@ them as Python or as a command.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Any, Protocol
+from typing import Annotated, Any
 
 import msgspec
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
-from .settings import OWN, Settings, convert_fields
+from .settings import OWN, Settings
 
 Times = Annotated[int, msgspec.Meta(ge=1)]
 FIELDS: dict[str, Any] = {"frozen": True, "forbid_unknown_fields": True, "array_like": True}
@@ -61,35 +59,6 @@ class Looks(msgspec.Struct, tag="l", **FIELDS):
 
 Action = Steps | MoveDemonstrator | ChangeSettings | Calibrate | Begin | ClearCalibration | Looks
 MAX_ACTIONS = 10_000  # of a session that a log records
-
-
-class _Session(Protocol):
-    """The methods of a `Session` that actions call."""
-
-    def step(self) -> bool: ...
-    def look(self) -> bool: ...
-    def pose(self, theta_demo: ArrayLike) -> None: ...
-    def change(self, **fields: Any) -> None: ...
-    def begin_calibration(self, postures: NDArray[np.float64]) -> None: ...
-    def begin(self, settings: Settings) -> None: ...
-    def use_calibration(self, calibration: None) -> None: ...
-
-
-def play_action(session: _Session, action: Action) -> None:
-    """Repeat a recorded action in a session. Raises ValueError for an impossible one."""
-    if isinstance(action, Steps | Looks):
-        for _ in range(action.times):
-            session.step() if isinstance(action, Steps) else session.look()
-    elif isinstance(action, MoveDemonstrator):
-        session.pose(action.theta_demo)
-    elif isinstance(action, ChangeSettings):
-        session.change(**convert_fields(action.fields))
-    elif isinstance(action, Calibrate):
-        session.begin_calibration(np.array(action.postures, float))
-    elif isinstance(action, Begin):
-        session.begin(action.settings)
-    else:
-        session.use_calibration(None)
 
 
 class Script(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -123,25 +123,8 @@ def calibration_postures(
 ) -> NDArray[np.float64]:
     """Choose postures for a calibration: spread over the range, and some that turn one joint at a time.
 
-    Two images between which one joint turned show which points it moves.
-
-    Parameters
-    ----------
-    low, high : (m,) array
-        Range of each joint [rad].
-    count : int
-        Number of postures. With few of them, none turns a single joint.
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    (count, m) array
-        Postures [rad].
-
-    Raises
-    ------
-    ValueError
-        For fewer than MIN_POSTURES.
+    Two images between which one joint turned show which points it moves. low, high: (m,) rad, range of each joint. With
+    few postures, none turns a single joint. Returns (count, m) rad. Raises ValueError for fewer than MIN_POSTURES.
     """
     joints = len(low)
     if count < MIN_POSTURES + joints:

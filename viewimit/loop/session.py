@@ -20,13 +20,13 @@ from ..servo.status import ServoStatus
 from ..simulation.eyes import SimulatedEyes, open_eyes
 from ..simulation.scene import Scene
 from ..simulation.world import World
-from . import rehearsal
-from .embodiment import Arm, Embodiment, Eyes, Observer, Opener, round_to_degrees, to_degrees
+from .embodiment import Arm, Eyes, require_in_workspace, round_to_degrees, to_degrees
 from .history import MAX_HISTORY, RECENT, History
-from .learner import Learner, same_demonstrator
+from .learner import Embodiment, Learner, Observer, same_demonstrator
 from .real_robot import RealRobotOpener
 from .script import (
     Action,
+    Begin,
     Calibrate,
     ChangeSettings,
     ClearCalibration,
@@ -35,10 +35,9 @@ from .script import (
     MoveDemonstrator,
     Script,
     Steps,
-    play_action,
 )
-from .self_calibration import SelfCalibration
-from .settings import OWN, Settings, warn_of_radians
+from .self_calibration import MIN_POSTURES, SelfCalibration, calibration_postures
+from .settings import OWN, Settings, convert_fields, warn_of_radians
 from .simulated_robot import OpenEyes, SimulatedRobot, SimulatedRobotOpener
 from .snapshot import CustomMethods, Limits, RunResult, Snapshot
 
@@ -147,7 +146,7 @@ class Session:
 
     def _set_up(
         self,
-        opener: Opener,
+        opener: SimulatedRobotOpener | RealRobotOpener,
         settings: Settings,
         dense: int | None,
         transfer: CustomTransfer | None,
@@ -443,7 +442,11 @@ class Session:
         (count, m) array
             Postures [rad].
         """
-        return rehearsal.draw_postures(self.snapshot, self.workspace, count, seed, within_deg)
+        low, high = self.workspace
+        if within_deg is not None:
+            here, reach = self.snapshot.commanded, np.radians(within_deg)
+            low, high = np.maximum(low, here - reach), np.minimum(high, here + reach)
+        return calibration_postures(low, high, count, np.random.default_rng(seed))
 
     def begin_calibration(self, postures: NDArray[np.float64]) -> None:
         """Visit postures in the next steps, record the own body there, and then imitate.
@@ -460,11 +463,14 @@ class Session:
         ValueError
             For too few postures, or one outside the limits. The session stays as it was.
         """
-        noise_px = self.observer.image_noise_std(self.settings)
-        begun = rehearsal.begin(self.snapshot, self.embodiment, self.workspace, noise_px, postures)
-        assert begun.pending_postures is not None
-        self.log.note(self.cursor, Calibrate(tuple(map(tuple, begun.pending_postures.tolist()))))
-        self.history.replace(begun)
+        if len(postures) < MIN_POSTURES:
+            raise ValueError(f"needs {MIN_POSTURES} postures or more, got {len(postures)}")
+        possible = [self.embodiment.require_posture(theta, "the rehearsed") for theta in postures]
+        pending = np.array([require_in_workspace(theta, *self.workspace, "the rehearsed") for theta in possible])
+        body, noise_px = self.embodiment.body(self.settings), self.observer.image_noise_std(self.settings)
+        self.log.note(self.cursor, Calibrate(tuple(map(tuple, pending.tolist()))))
+        calibration = SelfCalibration(body, self.settings.scene_title, noise_px)
+        self._begin_again(status=ServoStatus.REHEARSING, calibration=calibration, pending_postures=pending)
 
     def use_calibration(self, calibration: SelfCalibration | None) -> None:
         """Imitate with a calibration that was recorded elsewhere, or with none. The servo restarts.
@@ -485,7 +491,11 @@ class Session:
         else:
             self.embodiment.body(self.settings).require(calibration.body)
             self.log.invalidate(now.motion)
-        self.history.replace(rehearsal.prepared(now, now.awake_status, calibration))
+        self._begin_again(status=now.awake_status, calibration=calibration, pending_postures=None)
+
+    def _begin_again(self, **changes: Any) -> None:
+        """Let the servo start again with a calibration, of which postures may be pending."""
+        self.history.replace(self.snapshot.with_fields(servo_state=None, target=None, **changes))
 
     def play(self, script: Script) -> None:
         """Begin with a script's settings and repeat its actions.
@@ -514,10 +524,27 @@ class Session:
         self.begin(script.settings)
         yield
         for action in script.actions:
-            times = action.times if isinstance(action, Steps | Looks) else 1
-            for _ in range(times):
-                play_action(self, type(action)(1) if isinstance(action, Steps | Looks) else action)
+            for _ in range(action.times if isinstance(action, Steps | Looks) else 1):
+                self._play(action)
                 yield
+
+    def _play(self, action: Action) -> None:
+        """Repeat a recorded action, or one of its times. Raises ValueError for an impossible one."""
+        match action:
+            case Steps():
+                self.step()
+            case Looks():
+                self.look()
+            case MoveDemonstrator():
+                self.pose(action.theta_demo)
+            case ChangeSettings():
+                self.change(**convert_fields(action.fields))
+            case Calibrate():
+                self.begin_calibration(np.array(action.postures, float))
+            case Begin():
+                self.begin(action.settings)
+            case ClearCalibration():
+                self.use_calibration(None)
 
     def undo(self) -> bool:
         """Go one motion back. The later motions stay until the next step.
@@ -607,8 +634,8 @@ class Session:
     def _begin(self, settings: Settings, custom: CustomMethods) -> None:
         custom.require(settings)
         kept, sent = (self.snapshot.calibration, self.snapshot.commanded) if hasattr(self, "history") else (None, None)
-        begun = self._open(settings, sent)
-        embodiment, settings = begun.embodiment, begun.settings
+        embodiment, begun = self._open(settings, sent)
+        settings = begun.settings
         calibration = kept if kept is not None and kept.body == embodiment.body(settings) else None
         log = Log(Script(settings)) if calibration is None else self.log.begin(self.cursor, settings)
         learner = Learner(embodiment, embodiment.observer(begun.theta), begun.workspace)

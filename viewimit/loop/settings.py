@@ -3,10 +3,8 @@
 import reprlib
 import sys
 import warnings
-from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
-from functools import cache
-from numbers import Integral, Real
+from collections.abc import Collection, Mapping
+from dataclasses import KW_ONLY, dataclass
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 
@@ -41,11 +39,12 @@ class UnknownMethod(ValueError):
     """No servo or transfer of this name is in this process."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Setting:
     """What a field of `Settings` means: for help on the command line, the documentation's table and the page."""
 
     description: str  # a phrase without a full stop
+    _: KW_ONLY
     option: str = ""  # on the command line, without dashes, if it is not the field's name
     default: str = ""  # the default in words, where the default value does not say it
     unit: str = ""  # of the value, such as deg: the placeholder on the command line
@@ -84,22 +83,15 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     with angles that would be whole degrees if they were radians gives a UserWarning.
     """
 
-    scene: Annotated[
-        str,
-        Setting(description="path of a .toml or .urdf file, a scene file's text, or a name"),
-    ] = "panda"
-    robot: Annotated[
-        str | None,
-        Setting(description="path of a .urdf file, or a name", default="the scene's"),
-    ] = None
+    scene: Annotated[str, Setting("path of a .toml or .urdf file, a scene file's text, or a name")] = "panda"
+    robot: Annotated[str | None, Setting("path of a .urdf file, or a name", default="the scene's")] = None
     joints: Annotated[
-        tuple[int, ...] | None,
-        Setting(description="joints that move, numbered from 1", unit="N,N", default="the scene's"),
+        tuple[int, ...] | None, Setting("joints that move, numbered from 1", unit="N,N", default="the scene's")
     ] = None
     points: Annotated[
         int,
         Setting(
-            description="layout of the scene's body points, by their number; rendered pictures show markers instead",
+            "layout of the scene's body points, by their number; rendered pictures show markers instead",
             unit="N",
             option="n-points",
             default=USUAL_LAYOUT,
@@ -107,32 +99,22 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     ] = USUAL_POINTS
     body_points: Annotated[
         tuple[BodyPoint, ...] | None,
-        Setting(description="body points [link, x, y, z] m, which replace the scene's layouts", default="the scene's"),
+        Setting("body points [link, x, y, z] m, which replace the scene's layouts", default="the scene's"),
     ] = None
     demonstrator_deg: Annotated[
         tuple[float, ...] | None,
         Setting(
-            description="posture of the demonstrator's moving joints",
-            unit="deg,deg",
-            option="demonstrator",
-            default="the scene's",
+            "posture of the demonstrator's moving joints", unit="deg,deg", option="demonstrator", default="the scene's"
         ),
     ] = None
     start_deg: Annotated[
         tuple[float, ...] | None,
-        Setting(
-            description="first posture of the learner's moving joints",
-            unit="deg,deg",
-            option="start",
-            default="the scene's",
-        ),
+        Setting("first posture of the learner's moving joints", unit="deg,deg", option="start", default="the scene's"),
     ] = None
     transfer: Annotated[
-        str, Setting(description="estimator of the demonstrator's points in the learner's images", choices=TRANSFERS)
+        str, Setting("estimator of the demonstrator's points in the learner's images", choices=TRANSFERS)
     ] = "projective"
-    servo: Annotated[str, Setting(description="control law that moves the learner's arm", choices=SERVOS)] = (
-        "likelihood"
-    )
+    servo: Annotated[str, Setting("control law that moves the learner's arm", choices=SERVOS)] = "likelihood"
     noise_px: Annotated[float, NOISE] = 0.0
     missing: Annotated[float, MISSING] = 0.0
     outliers: Annotated[float, OUTLIERS] = 0.0
@@ -140,7 +122,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     matched: Annotated[
         bool,
         Setting(
-            description="whether the demonstrator's points come with the names of the learner's own; without, the "
+            "whether the demonstrator's points come with the names of the learner's own; without, the "
             "learner finds them",
             option="unmatched",
         ),
@@ -148,7 +130,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     frames: Annotated[
         int,
         Setting(
-            description="images averaged at each posture; outliers among them are dropped",
+            "images averaged at each posture; outliers among them are dropped",
             unit="N",
             bounds=(1, 1_000),
             label="Pictures averaged",
@@ -158,18 +140,13 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     gain_error: Annotated[float, GAIN_ERROR] = 0.0
     encoder_step_deg: Annotated[float, QUANTUM] = 0.0
     delay: Annotated[
-        int,
-        Setting(
-            description="looks after a motion that still show the posture before it", bounds=(0, MAX_LATENCY_LOOKS)
-        ),
+        int, Setting("looks after a motion that still show the posture before it", bounds=(0, MAX_LATENCY_LOOKS))
     ] = 0
-    seed: Annotated[
-        int, Setting(description="seed of the disturbances", unit="N", bounds=(0, MAX_SEED), label="Seed")
-    ] = 7
+    seed: Annotated[int, Setting("seed of the disturbances", unit="N", bounds=(0, MAX_SEED), label="Seed")] = 7
     undistort: Annotated[
         tuple[float, float] | None,
         Setting(
-            description="radial distortion k1, k2 (OpenCV's model) to remove from the images first",
+            "radial distortion k1, k2 (OpenCV's model) to remove from the images first",
             unit="k1,k2",
             default="the scene's",
         ),
@@ -177,28 +154,23 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     rectify: Annotated[
         str,
         Setting(
-            description="rectify the images where their matches show that the cameras are not parallel, or never",
-            choices=RECTIFY,
+            "rectify the images where their matches show that the cameras are not parallel, or never", choices=RECTIFY
         ),
     ] = "auto"
     sensor: Annotated[
         str,
-        Setting(
-            description="image points projected, or detected in rendered pictures of arms that wear markers",
-            choices=SENSORS,
-        ),
+        Setting("image points projected, or detected in rendered pictures of arms that wear markers", choices=SENSORS),
     ] = "projected"
     dynamics: Annotated[
         str,
         Setting(
-            description="arms without mass, or with weight and motors of limited torque and speed, by PyBullet",
-            choices=DYNAMICS,
+            "arms without mass, or with weight and motors of limited torque and speed, by PyBullet", choices=DYNAMICS
         ),
     ] = "none"
     max_step_deg: Annotated[
         float | None,
         Setting(
-            description="longest motion of a joint; a longer one is made in several, with a look after each",
+            "longest motion of a joint; a longer one is made in several, with a look after each",
             unit="deg",
             bounds=(0.01, 360.0),
             default="any angle",
@@ -207,7 +179,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     workspace_deg: Annotated[
         tuple[Range, ...] | None,
         Setting(
-            description="lowest and highest angle of each moving joint that the learner's arm may be sent to",
+            "lowest and highest angle of each moving joint that the learner's arm may be sent to",
             unit="low:high,low:high",
             default="the arm's limits",
         ),
@@ -263,30 +235,13 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         return tuple([(found, getattr(self, name)) for name, found in disturbances(kind).items()])
 
     def __post_init__(self) -> None:
-        for name in (*_SEQUENCES, *_NUMBERS):
-            value = getattr(self, name)
-            if isinstance(value, (list, tuple, np.ndarray, np.generic)):
-                msgspec.structs.force_setattr(self, name, _plain(value))
-        for name in _TEXTS:
-            value = getattr(self, name)
-            if isinstance(value, PurePath):
-                msgspec.structs.force_setattr(self, name, value := str(value))
-            if not isinstance(value, _HINTS[name]):
-                given = f"; give your own to Session(settings, {name}=…)" if name in ("transfer", "servo") else ""
-                raise ValueError(f"{name} must be text, got {reprlib.repr(value)}{given}")
-        for name, numbers in _NUMBERS.items():
-            value = getattr(self, name)
-            if value is None and name in _OPTIONAL:
-                continue
-            if not isinstance(value, numbers) or isinstance(value, bool):
-                expected = "a whole number" if numbers is Integral else "a number"
-                raise ValueError(f"{name} must be {expected}, got {value!r}")
-        if not isinstance(self.matched, bool):
-            raise ValueError(f"matched must be True or False, got {self.matched!r}")
-        for name, expected in _SEQUENCES.items():
-            value = getattr(self, name)
-            if not _is_of(_HINTS[name], value) or (name == "undistort" and not np.isfinite(value or 0).all()):
-                raise ValueError(f"{name} must be {expected}, got {reprlib.repr(value)}")
+        for name, hint in _HINTS.items():
+            given = getattr(self, name)
+            if (value := _plain(given)) is not given:
+                msgspec.structs.force_setattr(self, name, value)
+            if not _is_of(hint, value) or (name == "undistort" and not np.isfinite(value or 0).all()):
+                advice = f"; give your own to Session(settings, {name}=…)" if name in ("transfer", "servo") else ""
+                raise ValueError(f"{name} must be {_EXPECTED[name]}, got {reprlib.repr(value)}{advice}")
         if self.undistort is not None:
             try:
                 RadialDistortion(*self.undistort)
@@ -317,28 +272,24 @@ def _is_of(kind, value) -> bool:
 
 
 def _plain(value):
-    """Tuples and Python's numbers, which can be kept, compared and written."""
-    if type(value) in (float, int):  # nearly all, and links hold thousands
-        return value
+    """Tuples, texts and Python's numbers, which can be kept, compared and written."""
     if isinstance(value, (np.ndarray, np.generic)):
         value = value.tolist()
-    return tuple(map(_plain, value)) if isinstance(value, (list, tuple)) else value
+    if isinstance(value, (list, tuple)):
+        return tuple(map(_plain, value))
+    return str(value) if isinstance(value, PurePath) else value
 
 
-_SEQUENCES = {
+_HINTS = get_type_hints(Settings)
+_OF_TYPE = {bool: "True or False", int: "a whole number", float: "a number", float | None: "a number"}
+_OF_TYPE |= {str: "text", str | None: "text"}
+_EXPECTED = {name: _OF_TYPE.get(hint, "angles in degrees") for name, hint in _HINTS.items()} | {
     "joints": "whole numbers",
     "body_points": "[link, x, y, z] each",
-    "demonstrator_deg": "angles in degrees",
-    "start_deg": "angles in degrees",
     "workspace_deg": "[lowest, highest] each, angles in degrees",
     "undistort": "two finite numbers k1, k2",
 }
-_HINTS = get_type_hints(Settings)
-_OPTIONAL = [name for name, hint in _HINTS.items() if hint == float | None]
-_NUMBERS = {name: {int: Integral, float: Real}[hint] for name, hint in _HINTS.items() if hint in (int, float)}
-_NUMBERS |= dict.fromkeys(_OPTIONAL, Real)
 _DEGREES = [name for name in _HINTS if name.endswith("_deg")]
-_TEXTS = [name for name, hint in _HINTS.items() if hint in (str, str | None)]
 FIELDS: Mapping[str, Setting | Disturbance] = {  # in the order of `Settings`
     name: hint.__metadata__[0] for name, hint in get_type_hints(Settings, include_extras=True).items()
 }
@@ -375,15 +326,7 @@ def level_outside() -> int:
 
 def disturbances(kind: type[D]) -> dict[str, D]:
     """Those of one kind, by their field."""
-    return _of_kind(kind)
-
-
-@cache  # asked for several times a motion
-def _found(kind: Any) -> dict[str, Any]:
     return {name: found for name, found in DISTURBANCES.items() if isinstance(found, kind)}
-
-
-_of_kind: Callable[[Any], dict[str, Any]] = _found
 
 
 def given(angles_deg: tuple[float, ...] | None) -> tuple[float, ...]:

@@ -16,6 +16,7 @@ from ..estimation.views import FourViews
 from ..sensing.frames import MAX_LATENCY_LOOKS, average_frames, estimate_latency, noise_std
 from ..simulation.arms import SimulatedArm, open_arm
 from ..simulation.disturbances import (
+    ArmDisturbance,
     ImageDisturbance,
     MatchDisturbance,
     SightDisturbance,
@@ -29,21 +30,20 @@ from ..simulation.scene import Scene, load_scene
 from .embodiment import SessionStart, require_in_workspace, round_to_degrees, to_degrees, workspace
 from .self_calibration import Body
 from .settings import USUAL_POINTS, BodyPoint, Settings
-from .snapshot import Snapshot
+from .snapshot import Images, Snapshot
 
 # streams of the seed: the demonstrator, in each posture; the own body, at every motion and at rest; which points are
 # swapped; the order of points without names
 DEMO_LOOK, OWN_LOOK, REST_LOOK, MATCH, ORDER = 0, 1, 4, 5, 6
 REST_LOOKS = 8  # images of the own body at rest that measure the noise
 
-Images = tuple[NDArray[np.float64], NDArray[np.bool_]]  # of one body: points (N, 4) px, visible (N, 2)
 OpenEyes = Callable[[str, Scene, int], SimulatedEyes]  # sensor, scene, points
 
 
 class SimulatedObserver:
-    """See `embodiment.Observer`. theta_rest: (m,) rad, the learner's start, where it measures the noise of images."""
+    """How both bodies are seen. theta_rest: (m,) rad, the learner's start, where it measures the noise of images."""
 
-    sees_any_posture: ClassVar[bool] = True
+    sees_any_posture: ClassVar[bool] = True  # False: only the posture where the arm is
 
     def __init__(self, eyes: SimulatedEyes, theta_rest: NDArray[np.float64]):
         self._eyes, self._theta_rest = eyes, theta_rest
@@ -80,12 +80,8 @@ class SimulatedObserver:
             self._demo = key, self._demo_look(settings, theta_demo)
         return self._demo[1]
 
-    def demonstrator_look(self, settings: Settings, theta_demo: NDArray[np.float64], look: int | None) -> Images:
-        """See `embodiment.Observer`."""
-        return self.demo(settings, theta_demo, look)
-
     def fixed_noise_px(self) -> float:
-        """See `embodiment.Observer`."""
+        """Return the part of the noise that no averaging reduces: standard deviation [px]."""
         return float(self._eyes.noise_px)
 
     def _demo_look(self, settings: Settings, theta_demo: NDArray[np.float64], *look: int) -> Images:
@@ -145,7 +141,7 @@ def observed_images(settings: Settings, images: Images, *stream: int) -> Images:
 
 
 class SimulatedRobot:
-    """See `embodiment.Embodiment`."""
+    """The learner's arm, of m joints, and its view of the demonstrator. Postures are (m,) rad."""
 
     def __init__(self, eyes: SimulatedEyes, arm: SimulatedArm, scene: Scene):
         self.eyes, self.arm, self._scene = eyes, arm, scene
@@ -175,7 +171,7 @@ class SimulatedRobot:
     def drive(
         self, settings: Settings, theta: NDArray[np.float64], sent: NDArray[np.float64], commanded: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        return self.arm.drive(settings, theta, sent, commanded)
+        return self.arm.drive(settings.amounts(ArmDisturbance), settings.start_rad, theta, sent, commanded)
 
     def revisit(self, settings: Settings, sent: NDArray[np.float64], commanded: NDArray[np.float64]) -> None:
         """Nothing to do: a simulated arm has no posture of its own."""
@@ -189,13 +185,13 @@ def _digest(points: Sequence[BodyPoint]) -> str:
 
 
 class SimulatedRobotOpener:
-    """See `embodiment.Opener`. The same eyes and arm serve until the scene, or what they are made of, changes."""
+    """Brings both arms to their first postures. Eyes and arm serve until what they are made of changes."""
 
     def __init__(self, open_eyes: OpenEyes):
         self._open_eyes = open_eyes
         self._opened: tuple[tuple[str, Scene, int, str], SimulatedRobot] | None = None
 
-    def __call__(self, settings: Settings, sent: NDArray[np.float64] | None) -> SessionStart:
+    def __call__(self, settings: Settings, sent: NDArray[np.float64] | None) -> tuple[SimulatedRobot, SessionStart]:
         scene = load_scene(settings.scene, settings.robot, settings.joints, settings.undistort, settings.body_points)
         settings, demo, start = _complete(settings, scene)
         key = settings.sensor, scene, settings.points, settings.dynamics
@@ -204,7 +200,7 @@ class SimulatedRobotOpener:
             self._opened = key, SimulatedRobot(eyes, open_arm(settings.dynamics, scene), scene)
         learner = self._opened[1]
         demo, standing = learner.arm.settle(demo), learner.arm.settle(start)
-        return SessionStart(settings, learner, start, standing, demo, workspace(settings, scene.lower, scene.upper))
+        return learner, SessionStart(settings, start, standing, demo, workspace(settings, scene.lower, scene.upper))
 
 
 def complete(settings: Settings) -> Settings:

@@ -8,20 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.rectification import fit_transfer, rectify_views
-from ..estimation.residuals import AT_REST, PredictedResiduals
 from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod
 from ..estimation.views import FourViews, Pairs
 from ..geometry.affine import LINE_VIEWS, MIN_POINTS, PairGeometry, fit_pairs, flatness
 from ..geometry.rectification import Rectification
 from ..servo import SERVOS, Certificate, Misfit, Naming, ServoMethod, ServoState, ServoStatus, verdict
-from ..servo.observation import repeat_xy
 from ..servo.verdict import ANY_JOINT
 from ..wording import listed, sentences
-from .demonstrator import Images, average_looks
 from .self_calibration import SelfCalibration
 from .settings import OWN, Settings
 
 Limits = tuple[NDArray[np.float64], NDArray[np.float64]]  # lowest and highest angles, (m,) rad each
+
+Images = tuple[NDArray[np.float64], NDArray[np.bool_]]  # of one body: points (N, 4) px, visible (N, 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,38 +156,6 @@ class Snapshot:
         lines = self.fundamental.lines(by.apply(images).reshape(4, 2))
         return np.einsum("ki,kij->kj", lines, np.stack([by.left, by.right])[LINE_VIEWS % 2])
 
-    def predicted_residuals(
-        self,
-        velocity: NDArray[np.float64] = AT_REST,
-        noise_px: float = 0.0,
-        mirror_columns: bool = True,
-    ) -> PredictedResiduals:
-        """Make the function that a servo calls for the residuals of images that it predicts.
-
-        Parameters
-        ----------
-        velocity : (N, 4) array
-            Of the demonstrator's points [px a look].
-        noise_px : float
-            Standard deviation of an image coordinate.
-        mirror_columns : bool
-            As of `PredictedResiduals`.
-
-        Returns
-        -------
-        PredictedResiduals
-            Own images (..., N, 4) px → residuals (..., n, C) px.
-        """
-        return PredictedResiduals(
-            self.views,
-            self.method,
-            self.rectification,
-            noise_px=noise_px,
-            velocity=velocity,
-            converged=self.converged_transfer,
-            mirror_columns=mirror_columns,
-        )
-
     # What is seen of the demonstrator
 
     @property
@@ -216,37 +183,6 @@ class Snapshot:
         """Whether the servo cannot lead on: it has no E, and predicts no images or does not see the demonstrator."""
         goes_on = self.servo_state is not None and self.servo.predicts and self.shows_demonstrator
         return self.transfer is None and not goes_on
-
-    def demonstrator_average(self, noise_px: float, fixed_px: float) -> tuple[NDArray[np.float64] | None, float | None]:
-        """Average all looks at the demonstrator since it last moved.
-
-        Parameters
-        ----------
-        noise_px, fixed_px : float
-            As of `average_looks`.
-
-        Returns
-        -------
-        (N, 4) array or None
-            Its points in [l, r] [px], in the order of `views`; NaN where no look shows a point, or it is an outlier.
-            None if there is one look only.
-        float or None
-            Standard deviation of a coordinate [px].
-        """
-        if len(self.demo_looks) < 2:
-            return None, None
-        (points, visible), noise_px = average_looks(self.demo_looks, noise_px, fixed_px)
-        first, average = self._in_order(*self.demo_looks[0]), self._in_order(points, visible)
-        rejected = first.visible[:, :2] & ~self.views.visible[:, :2]
-        return np.where(repeat_xy(average.visible[:, :2] & ~rejected), average.demo, np.nan), noise_px
-
-    def _in_order(self, demo: NDArray[np.float64], visible: NDArray[np.bool_]) -> FourViews:
-        """Put the demonstrator's points, (N, 4) px, in the order of `views`. visible: (N, 2)."""
-        views = FourViews(demo, self.views.own, np.concatenate([visible, self.views.visible[:, 2:]], -1))
-        names = self.says.names
-        if not self.settings.matched and self.views.matched and names is not None:
-            views = views.named(names)
-        return views.permuted(self.exchanged)
 
     # What the servo says
 

@@ -33,10 +33,7 @@ MIN_AREA_PX = 6.0
 MAX_HUE_FRACTION = 0.5  # of the way to the next marker's hue
 MIN_ROUNDNESS = 0.87  # shorter axis over longer: below, something hides a part of the ball
 MIN_MEDIAN_FRACTION = 0.45  # of the median blob's area: below, a blob is the round rest of a hidden ball
-AREA_TOL, AREA_SIGMA = (
-    0.15,
-    3.0,
-)  # relative difference of areas in two pictures that is accepted; in standard deviations
+AREA_TOL, AREA_SIGMA = 0.15, 3.0  # accepted difference of areas in two pictures: relative, in standard deviations
 NOT_ROUND, TOO_SMALL = "it is not round: something may hide a part", "it is far smaller than the others"
 TWO_BALLS = "two balls have its hue: the larger one is taken"
 MAD_TO_STD = 1.4826  # from the median of |x| to the standard deviation
@@ -74,22 +71,10 @@ class Detections:
 
 
 def detect(picture: Picture, hue_deg: ArrayLike, middle: float = 1.0) -> Detections:
-    """Find the centres of coloured balls, all about equally large.
+    """Find the centres of coloured balls, all about equally large: of several round blobs of one hue, the largest.
 
-    Parameters
-    ----------
-    picture : (height, width, 3) array
-        Red, green, blue.
-    hue_deg : (N,) array_like
-        Hues of the balls [deg].
-    middle : float
-        Fraction of the width that is searched, around the centre. A head that has turned to a body has it there, and
-        another body beside it.
-
-    Returns
-    -------
-    Detections
-        Of several round blobs of one hue, the largest.
+    picture: (height, width, 3) RGB; hue_deg: (N,), of the balls; middle: fraction of the width that is searched, around
+    the centre. A head that has turned to a body has it there, and another body beside it.
     """
     hue_deg = np.asarray(hue_deg, float)
     points, confidence = np.full((len(hue_deg), 2), np.nan), np.zeros(len(hue_deg))
@@ -289,10 +274,7 @@ def dictionary_names() -> list[str]:
 class Fiducials:
     """Detector of printed square markers, ArUco or AprilTag.
 
-    Parameters
-    ----------
-    dictionary : str
-        One of `dictionary_names`, in any case, with or without DICT_. Raises ValueError that lists them.
+    dictionary: of `dictionary_names`, in any case, with or without DICT_. Raises ValueError that lists them.
     """
 
     def __init__(self, dictionary: str):

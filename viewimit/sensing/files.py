@@ -46,14 +46,7 @@ class TooLarge(ValueError):
 def escape(text: str, max_chars: int = MAX_QUOTED_CHARS, keep: str = "") -> str:
     """Shorten text from a file, and escape control characters, which a terminal would obey.
 
-    Parameters
-    ----------
-    text : str
-        Text from a file.
-    max_chars : int
-        Longer text keeps its start and its end only.
-    keep : str
-        Control characters that stay, such as a newline.
+    max_chars: longer text keeps its start and its end only; keep: control characters that stay, such as a newline.
     """
     if len(text) > max_chars:
         text = f"{text[: max_chars // 2]} … {text[-max_chars // 2 :]}"

@@ -15,10 +15,7 @@ MAD_OF_NORMAL = 0.6745  # median of |x| for a standard normal x
 OUTLIER_SIGMA, MIN_OUTLIER_PX = 5.0, 0.05  # times the noise; px of typical images: never an outlier below
 MIN_FRAMES = 3  # that can outvote one outlier
 MAX_LATENCY_LOOKS = 3
-MOVED_PX, MOVED_SIGMA = (
-    0.2,
-    5.0,
-)  # px of typical images, and times the noise: the body has moved if half the points have
+MOVED_PX, MOVED_SIGMA = 0.2, 5.0  # px of typical images, and times the noise: by which half the points have moved
 FAR_PX = 1e4  # of both coordinates, from which no picture reaches
 FAR_OUTLIER = 100.0  # times the median distance from the median point of an image: no body reaches there
 
@@ -54,21 +51,10 @@ def noise_std(points: Points, visible: Visible) -> float:
 
 
 def estimate_latency(before: tuple[Points, Visible], look: Look, noise_px: float) -> int | None:
-    """Count the looks after a motion that still show the body as it was before.
+    """Count the looks after a motion that still show the body as it was before: None if no look shows a motion.
 
-    Parameters
-    ----------
-    before : (N, 4) and (N, 2) arrays
-        Points before the motion [px], and whether they are visible.
-    look : callable
-        look(k) is the k-th look after the motion, in the same form.
-    noise_px : float
-        Standard deviation of a coordinate [px].
-
-    Returns
-    -------
-    int or None
-        At most MAX_LATENCY_LOOKS. None if no look shows a motion.
+    before: points before the motion, (N, 4) px, and whether they are visible, (N, 2); look(k): the k-th look after it,
+    up to MAX_LATENCY_LOOKS, in the same form; noise_px: standard deviation of a coordinate.
     """
     least = MOVED_PX * image_unit(before[0][before[1].all(-1)]) + MOVED_SIGMA * noise_px
     return next((k for k in range(MAX_LATENCY_LOOKS + 1) if _median_shift(before, look(k)) > least), None)

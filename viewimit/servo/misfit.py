@@ -64,7 +64,8 @@ class Misfit:
     points: tuple[int, ...] = ()  # indices of the points concerned
     links: tuple[LinkChange, ...] = ()  # of another body
     amount: float | None = None  # of a lens: px by which it moves an image coordinate at most; of an arm: the share of
-    # each motion by which it stops short, negative if it goes too far; None if unknown
+    # each motion by which it stops short, negative if it goes too far; of another body of which all points sit
+    # elsewhere: their rms distance, in the rms extent of the own ones; None if unknown
     limits: tuple[BeyondLimit, ...] = ()  # that exclude the posture
 
     def per_pixel(self, unit_px: float) -> "Misfit":
@@ -81,6 +82,8 @@ class Misfit:
                 f"{100 * abs(link.change):.1f} ± {100 * link.std:.1g} % {'longer' if link.change > 0 else 'shorter'}"
                 for link in self.links
             ]
+            if self.amount is not None:
+                lengths = [f"its points sit elsewhere by about {100 * self.amount:.1g} % of its size"]
             return "the demonstrator has another body" + (": " + "; ".join(lengths) if lengths else "")
         if self.kind is MisfitKind.LIMIT:
             beyond = [

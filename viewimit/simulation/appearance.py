@@ -6,7 +6,7 @@ extreme in a few directions make a polygon inside the hull, at most 2 px smaller
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,25 +20,6 @@ MIN_DEPTH_M = 0.05  # nearer vertices are moved back to it
 HULL_DIRECTIONS = 48  # directions in 3-D in which a link's extreme vertices are kept
 
 Floats = NDArray[np.float64]
-
-
-class Moment(Protocol):
-    """The postures of both arms at one time, and the transfer fitted then."""
-
-    @property
-    def theta(self) -> NDArray[np.float64]:
-        """(m,) learner's posture [rad]."""
-        ...
-
-    @property
-    def theta_demo(self) -> NDArray[np.float64]:
-        """(m,) demonstrator's posture [rad]."""
-        ...
-
-    @property
-    def transfer(self) -> FittedTransfer | None:
-        """None if there are too few points to fit one."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,15 +63,18 @@ class Silhouettes:
         self._pair, self._link = np.ogrid[:2, : len(chosen), :1][:2]
         self._latest: dict[str, tuple[bytes, ArmImages]] = {}  # by arm: the demonstrator mostly stands still
 
-    def bodies(self, moment: Moment) -> Bodies:
-        """Return both arms at their true postures. The images of an arm that has not moved are the same object."""
+    def bodies(self, theta_demo: Floats, theta: Floats, transfer: FittedTransfer | None) -> Bodies:
+        """Return both arms at postures, (m,) rad. The images of an arm that has not moved are the same object.
+
+        transfer: that of these postures, None if there are too few points to fit one.
+        """
         world = self._world
-        demo = self._arm("demonstrator", moment.theta_demo, world.T_world_demo, world.demo_pair)
-        own = self._arm("learner", moment.theta, world.T_world_own, world.own_pair)
-        goal = self._arm("goal", moment.theta_demo, world.T_world_own, world.own_pair)
+        demo = self._arm("demonstrator", theta_demo, world.T_world_demo, world.demo_pair)
+        own = self._arm("learner", theta, world.T_world_own, world.own_pair)
+        goal = self._arm("goal", theta_demo, world.T_world_own, world.own_pair)
         found = None
-        if moment.transfer is not None:
-            recovered = moment.transfer.recover(demo.origins[0], demo.origins[1])
+        if transfer is not None:
+            recovered = transfer.recover(demo.origins[0], demo.origins[1])
             found = np.stack([recovered[:, :2], recovered[:, 2:]])
         return Bodies(demo, own, found, world.scene.head.image, goal)
 

@@ -3,81 +3,21 @@
 import importlib.util
 import platform
 import sys
-from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-from .disturbances import ActuatorSettings, ArmDisturbance, any_active, drive
+from .disturbances import SimulatedArm
 from .robot import robot_names
 from .scene import Scene
 
-__all__ = ["DYNAMICS", "SimulatedArm", "MasslessArm", "open_arm", "require_arm"]
+__all__ = ["DYNAMICS", "SimulatedArm", "open_arm", "require_arm"]
 
 DYNAMICS = ("none", "pybullet")
 WHEELS = "CPython 3.10 and 3.11 on Linux x86-64"  # of PyBullet; elsewhere pip would compile it for minutes
-
-Floats = NDArray[np.float64]
-
-
-class SimulatedArm(Protocol):
-    """Moves an arm of m moving joints."""
-
-    def settle(self, theta: Floats) -> Floats:
-        """Return the posture at which the arm comes to rest.
-
-        Parameters
-        ----------
-        theta : (m,) array
-            Posture at which it is placed [rad].
-
-        Returns
-        -------
-        (m,) array
-            Posture [rad].
-        """
-        ...
-
-    def drive(self, settings: ActuatorSettings, theta: Floats, sent: Floats, commanded: Floats) -> Floats:
-        """Return the posture that the arm reaches for a new command.
-
-        Parameters
-        ----------
-        settings : ActuatorSettings
-            Actuation errors.
-        theta, sent : (m,) arrays
-            Present posture, and the last command [rad].
-        commanded : (m,) array
-            New command [rad].
-
-        Returns
-        -------
-        (m,) array
-            Posture [rad].
-        """
-        ...
-
-
-class MasslessArm:
-    """Reaches what the disturbances leave of a command. See `SimulatedArm`."""
-
-    def __init__(self, scene: Scene):
-        self._scene = scene
-
-    def settle(self, theta: Floats) -> Floats:
-        return theta
-
-    def drive(self, settings: ActuatorSettings, theta: Floats, sent: Floats, commanded: Floats) -> Floats:
-        amounts = settings.amounts(ArmDisturbance)
-        if not any_active(amounts):
-            return commanded
-        return np.clip(drive(amounts, theta, theta + (commanded - sent)), self._scene.lower, self._scene.upper)
 
 
 def open_arm(dynamics: str, scene: Scene) -> SimulatedArm:
     """Make the arm of a scene: "none" without mass, "pybullet" with it. Raises ValueError as `require_arm`."""
     if dynamics == "none":
-        return MasslessArm(scene)
+        return SimulatedArm(scene)
     require_arm(dynamics, scene)
     from .physics import PhysicalArm  # loads pybullet
 

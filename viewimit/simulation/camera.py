@@ -60,13 +60,6 @@ class Lens:
         return bool((radius < min(self.distortion.max_distorted_radius, self.correction.max_radius)).all())
 
 
-def undistort_points(
-    points: Floats, focal: tuple[float, float], centre: tuple[float, float], by: RadialDistortion
-) -> Floats:
-    """Return the pixels of a pinhole camera for those of a lens with distortion `by`: (..., 2) px -> (..., 2) px."""
-    return Lens(focal, centre, by).direction(points) * focal + centre
-
-
 @dataclass(frozen=True)
 class Camera:
     """A camera with a lens."""

@@ -6,10 +6,11 @@ field of `Settings` with it. The option of the command line, the slider and the 
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .scene import Scene
 
 OUTLIER_PX = 60.0  # largest error of a misplaced point's coordinate
 
@@ -155,30 +156,6 @@ MatchAmounts = tuple[tuple[MatchDisturbance, float], ...]
 ArmAmounts = tuple[tuple[ArmDisturbance, float], ...]
 
 
-class ActuatorSettings(Protocol):
-    """The part of a run's settings on which the motion of a simulated arm depends."""
-
-    @property
-    def start_rad(self) -> Floats:
-        """(m,) posture at which the learner starts [rad]."""
-        ...
-
-    def amounts(self, kind: type[ArmDisturbance]) -> ArmAmounts:
-        """Return every actuation error, with its amount.
-
-        Parameters
-        ----------
-        kind : type
-            `ArmDisturbance`.
-
-        Returns
-        -------
-        tuple of (ArmDisturbance, float)
-            Errors of the arm's motion.
-        """
-        ...
-
-
 def any_active(amounts: ImageAmounts | MatchAmounts | ArmAmounts) -> bool:
     """Return whether some amount is not 0."""
     return any(amount for __, amount in amounts)
@@ -224,3 +201,23 @@ def drive(amounts: ArmAmounts, theta: Floats, commanded: Floats) -> Floats:
         if amount:
             commanded = disturbance.drive(theta, commanded, amount)
     return commanded
+
+
+class SimulatedArm:
+    """An arm of m moving joints without mass: it reaches what the disturbances leave of a command."""
+
+    def __init__(self, scene: Scene):
+        self._scene = scene
+
+    def settle(self, theta: Floats) -> Floats:
+        """Return the posture at which the arm comes to rest when it is placed at theta, (m,) rad each."""
+        return theta
+
+    def drive(self, amounts: ArmAmounts, start: Floats, theta: Floats, sent: Floats, commanded: Floats) -> Floats:
+        """Return the posture that the arm reaches for a new command, (m,) rad each.
+
+        start: where the run began; theta, sent: present posture, and the last command.
+        """
+        if not any_active(amounts):
+            return commanded
+        return np.clip(drive(amounts, theta, theta + (commanded - sent)), self._scene.lower, self._scene.upper)

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
 from ..geometry.rigid import rigid_transform, rotation_about_axis
-from .disturbances import ActuatorSettings, ArmDisturbance
+from .disturbances import ArmAmounts, SimulatedArm
 from .disturbances import drive as disturbed
 from .robot import Joint
 from .scene import Scene, load_robot
@@ -62,20 +62,20 @@ def connect() -> BulletClient:
         return BulletClient(pybullet.DIRECT)
 
 
-class PhysicalArm:
-    """An arm that its motors hold a little below the commanded posture. See `SimulatedArm`."""
+class PhysicalArm(SimulatedArm):
+    """An arm that its motors hold a little below the commanded posture."""
 
     def __init__(self, scene: Scene):
-        self._scene = scene
+        super().__init__(scene)
         with tempfile.TemporaryDirectory() as folder:
             self._motors = Motors(write_urdf(scene, Path(folder)))
 
     def settle(self, theta: Floats) -> Floats:
         return self._motors.drive(theta, theta)
 
-    def drive(self, settings: ActuatorSettings, theta: Floats, sent: Floats, commanded: Floats) -> Floats:
+    def drive(self, amounts: ArmAmounts, start: Floats, theta: Floats, sent: Floats, commanded: Floats) -> Floats:
         """The disturbed command is the goal of the motors; `sent` is not used."""
-        goal = disturbed(settings.amounts(ArmDisturbance), settings.start_rad, commanded)
+        goal = disturbed(amounts, start, commanded)
         return self._motors.drive(theta, np.clip(goal, self._scene.lower, self._scene.upper))
 
 

@@ -15,7 +15,7 @@ from .depth_buffer import Balls, DepthBuffer, Triangles, illumination
 from .meshes import Mesh
 from .robot import Angles, Markers, colours, link_meshes, load_markers
 from .scene import Scene
-from .world import World
+from .world import SimulatedEyes, World
 
 SAMPLES = 2  # for each pixel and axis, as a sensor gathers light over the whole pixel
 PEDESTAL_M = 0.16  # half the width
@@ -175,15 +175,11 @@ def _pixel_range(hit: NDArray[np.bool_]) -> slice:
     return slice(int(where[0]) // SAMPLES, int(where[-1]) // SAMPLES + 1)
 
 
-class RenderedEyes:
-    """Detects marked points in rendered pictures. See `SimulatedEyes`.
+class RenderedEyes(SimulatedEyes):
+    """Detects marked points in rendered pictures.
 
-    Attributes
-    ----------
-    pictures, detections : dict
-        The latest picture by view l, r, L, R, (height, width, 3) RGB, and the markers detected in it.
-    theta : dict
-        By pair of views, the posture (m,) rad at which its arm was last seen; at first `rest`.
+    pictures, detections: by view l, r, L, R, the latest picture, (height, width, 3) RGB, and the markers detected in
+    it; theta: by pair of views, the posture (m,) rad at which its arm was last seen; at first `rest`.
     """
 
     noise_px = NOISE_PX

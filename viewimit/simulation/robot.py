@@ -21,10 +21,10 @@ from .urdf.chain import find_arm, turning_joints
 from .urdf.reference import is_reference, parse_reference, require_urdf
 from .urdf.tree import REST_MARGIN, Tree, read_tree
 
+Floats = NDArray[np.float64]
 IDENTITY = np.eye(4)
 BodyPoint = tuple[int, float, float, float]  # link (0 = base), and x, y, z in its frame [m]
-Angles = Sequence[ArrayLike] | NDArray[np.float64]  # one array for each joint [rad], broadcast against each other
-Floats = NDArray[np.float64]
+Angles = Sequence[ArrayLike] | Floats  # one array for each joint [rad], broadcast against each other
 Ints = NDArray[np.int_]
 
 
@@ -78,9 +78,7 @@ class BodyFrames:
 
     def points(self, body: BodyPoints) -> BodyPoints:
         """Return the same points, fixed to the chain."""
-        T = self.T_chain_link[body.link]
-        local = np.einsum("nij,nj->ni", T[:, :3, :3], body.local) + T[:, :3, 3]
-        return BodyPoints(self.link[body.link], local)
+        return BodyPoints(self.link[body.link], body.at(self.T_chain_link))
 
 
 @dataclass(frozen=True)
@@ -196,20 +194,9 @@ class Robot:
     def from_urdf(cls, path: str | Path, tip: str | None = None, base: str | None = None) -> "Robot":
         """Read the chain of revolute joints between two links of a URDF.
 
-        Fixed joints are merged, and so are prismatic ones, at rest.
-
-        Parameters
-        ----------
-        path : str or Path
-        tip : str, optional
-            Last link; by default the end of the longest chain, without fingers.
-        base : str, optional
-            First link; by default the root.
-
-        Raises
-        ------
-        ValueError
-            Names the file: XML that does not parse, a missing link, a loop, or a chain without revolute joints.
+        Fixed joints are merged, and so are prismatic ones, at rest. tip: last link; by default the end of the longest
+        chain, without fingers; base: by default the root. Raises ValueError that names the file: XML that does not
+        parse, a missing link, a loop, or a chain without revolute joints.
         """
         return _chain_robot(read_tree(Path(path)), tip, base)
 
@@ -328,12 +315,12 @@ class Markers(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return BodyPoints(rows[:, 0].astype(int), rows[:, 1:4])
 
     @property
-    def hue_deg(self) -> NDArray[np.float64]:
+    def hue_deg(self) -> Floats:
         """(N,) hues [deg]."""
         return np.array(self.balls, float).reshape(-1, 5)[:, 4]
 
 
-def colours(hue_deg: ArrayLike) -> NDArray[np.float64]:
+def colours(hue_deg: ArrayLike) -> Floats:
     """Return colours of equal chroma, towards cos(hue - (0°, 120°, 240°)): (N,) deg -> (N, 3) RGB in 0 … 1."""
     return GREY + CHROMA * np.cos(np.radians(np.asarray(hue_deg))[..., None] - THIRDS)
 
@@ -353,7 +340,7 @@ def load_markers(name: str | Path) -> Markers:
         raise ValueError(f"no markers {str(name)!r}; there are {names}, or the path of a .toml file")
     try:
         markers = parse_toml(read_toml(path), Markers)
-    except (msgspec.DecodeError, msgspec.ValidationError, ValueError) as error:
+    except ValueError as error:  # msgspec's too
         raise ValueError(f"{path}: {error}") from None
     if not markers.radius > 0 or not np.isfinite(np.array(markers.balls, float)).all():
         raise ValueError(f"{path}: radius must be positive, and all numbers finite")

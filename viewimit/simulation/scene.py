@@ -21,6 +21,8 @@ from .urdf.reference import is_reference, parse_reference, require_urdf
 if TYPE_CHECKING:
     from .autoscene.scene import AutoScene
 
+Floats = NDArray[np.float64]
+
 Vector = tuple[float, float, float]
 Limits = tuple[tuple[float, float], ...]
 ROUNDING_DEG = 0.01  # URDFs round π
@@ -38,59 +40,27 @@ class RobotFileMissing(ValueError):
 
 
 class Eye(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """One camera of the head, where it differs from the head's values.
+    """One camera of the head, where it differs from the head's values."""
 
-    Attributes
-    ----------
-    focal : (fx, fy), optional
-        Focal lengths [px].
-    centre : (x, y), optional
-        Principal point [px].
-    distortion : (k1, k2)
-        Radial distortion by OpenCV's model.
-    """
-
-    focal: tuple[float, float] | None = None
-    centre: tuple[float, float] | None = None
-    distortion: tuple[float, float] = (0.0, 0.0)
+    focal: tuple[float, float] | None = None  # fx, fy [px]
+    centre: tuple[float, float] | None = None  # principal point [px]
+    distortion: tuple[float, float] = (0.0, 0.0)  # radial, k1, k2 of OpenCV's model
 
 
 class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """The stereo head.
+    """The stereo head."""
 
-    Attributes
-    ----------
-    position : (x, y, z)
-        Midpoint between the cameras [m].
-    baseline : float
-        Distance of the cameras [m].
-    image : (width, height)
-        Size of the images [px].
-    focal, centre : float, (x, y)
-        Focal length and principal point [px].
-    gaze_demonstrator, gaze_learner : (x, y, z)
-        Points that the head looks at [m].
-    verged : bool
-        Each camera looks at the gaze point itself.
-    toe_in_deg : float
-        Otherwise, rotation of each camera inwards from parallel [deg].
-    undistort : (k1, k2)
-        Radial distortion that is removed from the images.
-    left, right : Eye
-        Values of one camera, instead of the head's.
-    """
-
-    position: Vector
-    baseline: float
-    image: tuple[int, int]
-    focal: float
-    centre: tuple[float, float]
-    gaze_demonstrator: Vector
+    position: Vector  # midpoint between the cameras [m]
+    baseline: float  # distance of the cameras [m]
+    image: tuple[int, int]  # width and height [px]
+    focal: float  # px
+    centre: tuple[float, float]  # principal point [px]
+    gaze_demonstrator: Vector  # points that the head looks at [m]
     gaze_learner: Vector
-    verged: bool = False
-    toe_in_deg: float = 0.0
-    undistort: tuple[float, float] = (0.0, 0.0)
-    left: Eye = Eye()
+    verged: bool = False  # each camera looks at the gaze point itself
+    toe_in_deg: float = 0.0  # otherwise, rotation of each camera inwards from parallel
+    undistort: tuple[float, float] = (0.0, 0.0)  # radial distortion, k1, k2, that is removed from the images
+    left: Eye = Eye()  # values of one camera, instead of the head's
     right: Eye = Eye()
 
     def lens(self, eye: Eye) -> Lens:
@@ -100,55 +70,26 @@ class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Base(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Where an arm stands.
+    """Where an arm stands."""
 
-    Attributes
-    ----------
-    position : (x, y, z)
-        In the world [m].
-    yaw_deg : float
-        Rotation about the vertical [deg].
-    """
-
-    position: Vector
-    yaw_deg: float = 0.0
+    position: Vector  # in the world [m]
+    yaw_deg: float = 0.0  # rotation about the vertical
 
 
 class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A scene file. Joints are numbered from 1, angles are in degrees, lengths in metres.
-
-    Attributes
-    ----------
-    title : str
-    robot : str
-        Shipped robot, or path of a URDF from the scene file. #base=LINK&tip=LINK&meshes=FOLDER may follow.
-    moving_joints : (int, ...)
-        Joints that imitate.
-    range_deg : ((low, high), ...)
-        Their limits in this scene [deg].
-    posture_deg : (float, ...)
-        All joints: at rest, and the moving ones at the demonstrator's start [deg].
-    start_deg : (float, ...)
-        Moving joints at the learner's start [deg].
-    head, demonstrator, learner : Head, Base, Base
-        The cameras, and where the arms stand.
-    points : {count: ((link, x, y, z), ...)}
-        Layouts of body points, by their number of points, in the frames of their links [m].
-    size : float
-        Scale of the page's drawings around the arms; 1 suits a robot of one metre.
-    """
+    """A scene file. Joints are numbered from 1, angles are in degrees, lengths in metres."""
 
     title: str
-    robot: str
-    moving_joints: tuple[int, ...]
-    range_deg: tuple[tuple[float, float], ...]
-    posture_deg: tuple[float, ...]
-    start_deg: tuple[float, ...]
+    robot: str  # shipped, or path of a URDF from the scene file; #base=LINK&tip=LINK&meshes=FOLDER may follow
+    moving_joints: tuple[int, ...]  # those that imitate
+    range_deg: Limits  # of the moving joints
+    posture_deg: tuple[float, ...]  # of all joints: at rest, and the moving ones at the demonstrator's start
+    start_deg: tuple[float, ...]  # of the moving joints, at the learner's start
     head: Head
     demonstrator: Base
     learner: Base
-    points: dict[str, tuple[BodyPoint, ...]]
-    size: float = 1.0
+    points: dict[str, tuple[BodyPoint, ...]]  # layouts of body points, by their number of points
+    size: float = 1.0  # scale of the page's drawings around the arms; 1 suits a robot of one metre
 
     @property
     def moving(self) -> NDArray[np.int_]:
@@ -156,12 +97,12 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return np.array(self.moving_joints) - 1
 
     @property
-    def lower(self) -> NDArray[np.float64]:
+    def lower(self) -> Floats:
         """(m,) lower limits of the moving joints [rad]."""
         return np.radians([low for low, _ in self.range_deg])
 
     @property
-    def upper(self) -> NDArray[np.float64]:
+    def upper(self) -> Floats:
         """(m,) upper limits of the moving joints [rad]."""
         return np.radians([high for _, high in self.range_deg])
 
@@ -185,7 +126,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         """Return the number of points of the layout nearest to `count`; `count` itself if there is no layout."""
         return min(map(int, self.points), key=lambda points: abs(points - count), default=count)
 
-    def require_posture(self, theta: ArrayLike, whose: str) -> NDArray[np.float64]:
+    def require_posture(self, theta: ArrayLike, whose: str) -> Floats:
         """Return a copy of a posture, (m,) rad. Raises ValueError for a wrong count, NaN or limits exceeded."""
         theta = np.array(theta, float)
         if theta.shape != (len(self.moving_joints),):
@@ -247,7 +188,7 @@ def load_scene(
     if robot is not None:
         load_robot(robot)  # its faults are not the scene's
     try:
-        scene = _converted(read())
+        scene = msgspec.convert(read(), Scene)
         path = None if is_text(name) or is_reference(name) else Path(place)
         scene = msgspec.structs.replace(scene, robot=_robot_of(scene, path, robot))
         if undistort is not None:
@@ -257,7 +198,9 @@ def load_scene(
         _require_valid(scene)
     except RobotFileMissing as error:
         raise RobotFileMissing(f"{place}: {error}") from None
-    except (msgspec.DecodeError, msgspec.ValidationError, ValueError) as error:
+    except RecursionError:
+        raise ValueError(f"{place}: it nests too deeply") from None
+    except ValueError as error:  # msgspec's too
         raise ValueError(f"{place}: {error}") from None
     return scene if joints is None else _with_moving_joints(scene, joints)
 
@@ -333,10 +276,7 @@ def _read_text(text: str) -> dict[str, Any]:
 @lru_cache(16)  # every run of a study starts with it
 def _decoded(content: bytes) -> dict[str, Any]:
     fields = parse_toml(content)
-    try:
-        _require_finite(fields)
-    except RecursionError:
-        raise ValueError("it nests too deeply") from None
+    _require_finite(fields)
     return fields
 
 
@@ -358,13 +298,6 @@ def _require_finite(value: Any, name: str = "") -> None:
     items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for key, item in items:
         _require_finite(item, f"{name}.{key}".lstrip("."))
-
-
-def _converted(fields: dict[str, Any]) -> Scene:
-    try:
-        return msgspec.convert(fields, Scene)
-    except RecursionError:
-        raise ValueError("it nests too deeply") from None
 
 
 def _robot_of(scene: Scene, path: Path | None, robot: str | Path | None) -> str:
@@ -473,10 +406,8 @@ def _require_head(head: Head) -> None:
 def _require_gaze(scene: Scene) -> None:
     """The head looks at two points, neither directly above nor below it."""
     head = scene.stereo_head()
-    for name, target in (
-        ("gaze_demonstrator", scene.head.gaze_demonstrator),
-        ("gaze_learner", scene.head.gaze_learner),
-    ):
+    for name in ("gaze_demonstrator", "gaze_learner"):
+        target = getattr(scene.head, name)
         try:
             head.gaze(target)
         except ValueError:

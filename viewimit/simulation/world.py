@@ -190,6 +190,31 @@ def _placed(base: Base) -> Floats:
     return rigid_transform(rotation_about_axis([0, 0, 1], np.radians(base.yaw_deg)), base.position)
 
 
+class SimulatedEyes:
+    """See N body points, matched by index, as the cameras' geometry projects them.
+
+    Attributes
+    ----------
+    world : World
+        The ground truth, for viewers only.
+    noise_px : float
+        Standard deviation of an image coordinate [px], without disturbances.
+    """
+
+    noise_px: float = 0.0
+
+    def __init__(self, scene: Scene, points: int):
+        self.world: World = World(scene, points)
+
+    def demo_images(self, theta: Angles) -> tuple[Floats, Visible]:
+        """Take the images of the demonstrator, [l] and [r], as `World.demo_images` returns them."""
+        return self.world.demo_images(theta)
+
+    def own_images(self, theta: Angles) -> tuple[Floats, Visible]:
+        """Take the images of the learner, [L] and [R]."""
+        return self.world.own_images(theta)
+
+
 def hand_position(world: World, theta: Floats, T_world_base: Floats) -> Floats:
     """Return the origin of the last link: (m,) rad -> (3,) m."""
     return world.link_frames(theta, T_world_base)[-1][:3, 3]
@@ -205,13 +230,7 @@ def hand_jacobian(world: World, theta: Floats, T_world_base: Floats) -> Floats:
 def pose_for_hand(world: World, target: Floats, theta: Floats) -> Floats:
     """Return the demonstrator's posture whose hand is nearest to a target, by damped least squares within the limits.
 
-    Parameters
-    ----------
-    world : World
-    target : (3,) array
-        In the world [m].
-    theta : (m,) array
-        Posture at which to start [rad].
+    target: (3,) m in the world; theta: (m,) rad, posture at which to start.
     """
     for _ in range(HAND_ITERATIONS):
         J = hand_jacobian(world, theta, world.T_world_demo)

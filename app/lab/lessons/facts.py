@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from viewimit.analysis.landscape import conflict_at
+from viewimit.analysis.landscape import conflict_at, seen_from
 from viewimit.analysis.observability import residual_jacobian, unobservable_joints
 from viewimit.drawing import svg
 from viewimit.estimation.views import FourViews
@@ -93,9 +93,7 @@ def valley_E(situation: Situation) -> float:
     joint = int(np.argmax(records.costs(situation)))
     theta = [np.full(200, angle) for angle in start.theta_demo]
     theta[joint] = np.linspace(scene.lower[joint], scene.upper[joint], 200)
-    return float(
-        np.nanmax(conflict_at(situation.world, start.fit, start.views.demo, start.views.visible[:, :2], theta))
-    )
+    return float(np.nanmax(conflict_at(*seen_from(situation.world, start), theta)))
 
 
 def _unobservable(situation: Situation) -> float:

@@ -3,15 +3,15 @@
 All is computed from a step's situation, and kept for equal situations. `plain` makes data for JSON of it.
 """
 
-from collections.abc import Callable, Mapping
-from functools import cache, partial
+from collections.abc import Mapping
+from functools import cache
 from statistics import NormalDist
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from viewimit.analysis.landscape import Landscape, conflict_at, grid_axes, landscape_over
+from viewimit.analysis.landscape import Landscape, conflict_at, grid_axes, landscape_over, seen_from
 from viewimit.analysis.minima import Minima, local_minima
 from viewimit.analysis.observability import joint_uncertainty, residual_jacobian, sample_estimates
 from viewimit.estimation.transfers import TRANSFERS
@@ -100,22 +100,19 @@ def races(situation: Situation) -> dict[str, Any]:
 @cache
 def landscape(situation: Situation, step_deg: float = MAP_STEP_DEG, transfer: str | None = None) -> Landscape:
     """Compute E over both joints, for the demonstrator in the images at the start."""
-    world = situation.world
-    return landscape_over(world, *_seen(situation, transfer), grid_axes(world, step_deg))
+    return landscape_over(*_seen(situation, transfer), grid_axes(situation.world, step_deg))
 
 
 @cache
 def minima(situation: Situation, transfer: str | None = None) -> Minima:
     """Find the local minima of E, between a coarse grid's postures as well."""
     seen = _seen(situation, transfer)
-    E_at = lambda theta: conflict_at(situation.world, *seen, theta)[0]
+    E_at = lambda theta: conflict_at(*seen, theta)[0]
     return local_minima(landscape(situation, 2 * MAP_STEP_DEG, transfer), E_at)
 
 
-def _seen(situation: Situation, transfer: str | None) -> tuple[Callable, Array, NDArray[np.bool_]]:
-    """The transfer's fit, and the demonstrator's images with their visibility."""
-    start = situation.start
-    return partial(start.fit, by=transfer), start.views.demo, start.views.visible[:, :2]
+def _seen(situation: Situation, transfer: str | None):
+    return seen_from(situation.world, situation.start, transfer)
 
 
 def bias_deg(situation: Situation, transfer: str | None = None) -> float:

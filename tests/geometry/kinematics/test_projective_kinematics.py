@@ -5,9 +5,11 @@ import pytest
 from turning_body import TurningBody
 
 from viewimit import Session, Settings
-from viewimit.geometry.kinematics.adjustment import KinematicsCovariance, fit_kinematics
+from viewimit.geometry.fundamental import fit_fundamental
+from viewimit.geometry.kinematics.adjustment import BundleAdjustment, KinematicsCovariance, fit_kinematics
 from viewimit.geometry.kinematics.clusters import Observations
 from viewimit.geometry.kinematics.model import exponentials, generator_powers, twist_matrices
+from viewimit.geometry.rectification import rectify
 
 ON = [0, 0, 1, 1, 1, 2, 2, 2, 2]
 
@@ -90,6 +92,30 @@ def test_predictions_vary_as_the_covariance_says():
     variance = ((np.array(columns) - before.predict(asked)) ** 2).sum(0) * (noise_px / 1e-4) ** 2
     ratio = np.var(found, axis=0, ddof=1) / variance
     assert np.mean(ratio[:, [0, 2]]) == pytest.approx(1, abs=5 * np.sqrt(2 / 59))
+
+
+def test_rectified_images_have_the_noise_of_the_images_as_seen_even_where_one_camera_is_ahead_of_the_other():
+    def ahead(places):
+        x, y, z = places.T
+        left, right = (
+            (300 * x / z + 150, 300 * y / z + 110),
+            (300 * (x - 0.3) / (z - 0.3) + 150, 300 * y / (z - 0.3) + 110),
+        )
+        return np.stack([*left, *right], 1)
+
+    for seed in range(5):
+        rng, noise_px = np.random.default_rng(seed), 0.05
+        body = TurningBody(rng, np.repeat([0, 1, 2], 8), 2)
+        visits = np.vstack([body.probes(0.4), rng.uniform(-0.5, 0.5, (9, 2))])
+        clean = np.array([ahead(body.places(one)) for one in visits])
+        left, right = np.split(clean.reshape(-1, 4), 2, 1)
+        head = rectify(fit_fundamental(left, right), left, right)
+        images = clean + noise_px * rng.standard_normal(clean.shape)
+        shown = Observations(visits, images, np.ones(images.shape[:2], bool))
+        found = fit_kinematics(shown, noise_px, head)
+        problem = BundleAdjustment.of(found, shown, noise_px)
+        chi_squared, freedom = (problem.residuals(found) ** 2).sum() / noise_px**2, problem.degrees_of_freedom
+        assert abs(chi_squared - freedom) < 4 * np.sqrt(2 * freedom)
 
 
 @pytest.mark.parametrize("scene", ["panda", "panda-toed", "panda-verged", "iiwa"])

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...analysis.landscape import Landscape, conflict_at, grid_axes, landscape_over
+from ...analysis.landscape import Landscape, conflict_at, grid_axes, landscape_over, seen_from
 from ...analysis.observability import joint_uncertainty
 from ...loop.settings import disturbances
 from ...loop.snapshot import Snapshot
@@ -15,6 +15,8 @@ from ...simulation.robot import link_meshes
 from ...simulation.world import World
 from ..images.planes import Windows, holds, image_windows
 from ..landscape import LandscapePicture
+
+Floats = NDArray[np.float64]
 
 TOO_FEW = "fewer than five points are seen in all four pictures"
 NO_NAMES = "the points have no names yet"
@@ -34,12 +36,12 @@ class Appearance:
         meshes = link_meshes(world.scene.robot)
         self._silhouettes = Silhouettes({link: mesh.vertices for link, mesh in meshes.items()}, world)
         self._motion = 0  # of the last moment
-        self._shown: dict[str, NDArray[np.float64]] = {}  # (k, 2) px by view, which the windows hold
+        self._shown: dict[str, Floats] = {}  # (k, 2) px by view, which the windows hold
         self._windows: Windows = {}
 
     def of(self, moment: Snapshot) -> tuple[Bodies, Windows]:
         """Return both arms' images at a moment, and the windows."""
-        bodies = self._silhouettes.bodies(moment)
+        bodies = self._silhouettes.bodies(moment.theta_demo, moment.theta, moment.transfer)
         shown = points_in_images(bodies)
         if not self._windows or moment.motion == 0 < self._motion:
             self._fit(shown, bodies)
@@ -48,11 +50,11 @@ class Appearance:
         self._motion = moment.motion
         return bodies, self._windows
 
-    def _fit(self, shown: dict[str, NDArray[np.float64]], bodies: Bodies) -> None:
+    def _fit(self, shown: dict[str, Floats], bodies: Bodies) -> None:
         self._shown, self._windows = shown, image_windows(shown, bodies.frame)
 
 
-def _widened(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _widened(points: Floats) -> Floats:
     """Return (k, 2) px stretched about their middle, so that a slow motion does not widen the windows at every step."""
     middle = (points.min(0) + points.max(0)) / 2
     return middle + WIDER * (points - middle)
@@ -83,8 +85,7 @@ def compute_landscape(world: World, snapshot: Snapshot, step_deg: float = FINE_D
     """Compute E around the demonstrator as the learner has seen it; None unless two joints move."""
     if len(world.scene.moving_joints) != 2:
         return None
-    views = snapshot.views
-    return landscape_over(world, snapshot.fit, views.demo, views.visible[:, :2], grid_axes(world, step_deg))
+    return landscape_over(*seen_from(world, snapshot), grid_axes(world, step_deg))
 
 
 def make_landscape(world: World, snapshot: Snapshot, step_deg: float = FINE_DEG) -> MadeLandscape:
@@ -92,8 +93,7 @@ def make_landscape(world: World, snapshot: Snapshot, step_deg: float = FINE_DEG)
     if not snapshot.views.matched:
         return MadeLandscape(world, LandscapePicture(None, world.scene, snapshot, NO_NAMES), None)
     found = compute_landscape(world, snapshot, step_deg)
-    views, theta = snapshot.views, snapshot.theta_demo
-    seen = world, snapshot.fit, views.demo, views.visible[:, :2]
+    theta, seen = snapshot.theta_demo, seen_from(world, snapshot)
     E_true = float(conflict_at(*seen, theta[:, None])[0, 0])
     picture = LandscapePicture(found, world.scene, snapshot, TOO_FEW, joint_uncertainty(*seen, theta))
     coarse = found is not None and step_deg > FINE_DEG

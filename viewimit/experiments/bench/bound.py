@@ -36,32 +36,13 @@ def bound(
     another_body: bool = False,
     earlier: Sequence[NDArray[np.float64]] = (),
 ) -> NDArray[np.float64]:
-    """Compute the bound at the demonstrator's posture.
+    """Compute the bound at the demonstrator's posture theta, (m,) rad: standard errors, inf for unobservable joints.
 
-    Parameters
-    ----------
-    world : World
-        Bodies and cameras.
-    theta : (m,) array
-        The demonstrator's posture, rad.
-    noise_px : float
-        Standard deviation of each image coordinate.
-    visited : sequence of (m,) arrays, optional
-        Postures at which the learner has seen its own body, rad; None: its images are granted.
-    seen : (N, 2) bool array, optional
-        Which points are in which image of the demonstrator; None: all.
-    one_head : bool
-        Whether it is the bound with one head; else that by E.
-    another_body : bool
-        Whether its joints may be attached elsewhere, which is the same in each posture. That one head sees both bodies
-        is used then. Needs `visited`.
-    earlier : sequence of (m,) arrays
-        Other postures of the demonstrator that were seen, rad; unknown as the first, and all points visible.
-
-    Returns
-    -------
-    (m,) array
-        Standard deviations, rad; inf for unobservable joints.
+    noise_px: standard deviation of a coordinate; visited: postures at which the learner has seen its own body, (m,) rad
+    each, None: its images are granted; seen: (N, 2), which points are in which image of the demonstrator, None: all.
+    one_head: whether it is the bound with one head, else that by E; another_body: whether its joints may be attached
+    elsewhere, the same in each posture, seen by one head, which needs `visited`; earlier: other postures of the
+    demonstrator that were seen, unknown as the first, with all points visible.
     """
     one_head = one_head or another_body
     J, unknown = _demo_images(world, theta, one_head, another_body)

@@ -11,10 +11,10 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ...simulation.arms import MasslessArm
+from ...simulation.arms import SimulatedArm
 from ...simulation.camera import Cameras, StereoHead
-from ...simulation.disturbances import ActuatorSettings
-from ...simulation.eyes import ProjectedEyes, SimulatedEyes
+from ...simulation.disturbances import ArmAmounts
+from ...simulation.eyes import SimulatedEyes
 from ...simulation.robot import Angles, BodyPoints, Robot
 from ...simulation.scene import Scene
 from ...simulation.world import World
@@ -29,7 +29,7 @@ Rng = np.random.Generator
 Floats = NDArray[np.float64]
 
 
-class OtherDemonstrator(ProjectedEyes):
+class OtherDemonstrator(SimulatedEyes):
     """Eyes that see another demonstrator than the scene's: of another world, mirrored, or with its points mixed up."""
 
     def __init__(
@@ -56,14 +56,14 @@ class OtherDemonstrator(ProjectedEyes):
         return found if self._order is None else (found[0][self._order], found[1][self._order])
 
 
-class StopsShort(MasslessArm):
+class StopsShort(SimulatedArm):
     """An arm that stops short of every commanded posture, by a share of the motion."""
 
     def __init__(self, scene: Scene, share: float):
         super().__init__(scene)
         self._share = share
 
-    def drive(self, settings: ActuatorSettings, theta: Floats, sent: Floats, commanded: Floats) -> Floats:
+    def drive(self, amounts: ArmAmounts, start: Floats, theta: Floats, sent: Floats, commanded: Floats) -> Floats:
         return np.asarray(theta + (1 - self._share) * (commanded - theta))
 
 
@@ -143,13 +143,13 @@ def lens(rng: Rng, scene: Scene, points: int) -> SimulatedEyes:
     bend = (-rng.uniform(*LENS_K1), 0.0)
     left, right = (msgspec.structs.replace(eye, distortion=bend) for eye in (scene.head.left, scene.head.right))
     head = msgspec.structs.replace(scene.head, left=left, right=right)
-    return ProjectedEyes(msgspec.structs.replace(scene, head=head), points)
+    return SimulatedEyes(msgspec.structs.replace(scene, head=head), points)
 
 
-class OtherPoints(ProjectedEyes):
+class OtherPoints(SimulatedEyes):
     """Projected points, of which some of the demonstrator's are hidden, and others are seen that no body has.
 
-    scene, points: as of `ProjectedEyes`; missing: points of the demonstrator that are hidden; extra: points beside it,
+    scene, points: as of `SimulatedEyes`; missing: points of the demonstrator that are hidden; extra: points beside it,
     anywhere in the box around its points. They come after all others, and the learner has none; seed: of both.
     """
 

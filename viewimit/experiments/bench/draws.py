@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...simulation.camera import Camera
-from ...simulation.eyes import ProjectedEyes, SimulatedEyes, open_eyes
+from ...simulation.eyes import SimulatedEyes, open_eyes
 from ...simulation.robot import Angles, BodyPoints, link_meshes, load_robot
 from ...simulation.scene import Eye, Head, Scene, load_scene
 from ...simulation.world import World
@@ -72,11 +72,11 @@ def shared_eyes(sensor: str, scene: Scene, points: int) -> SimulatedEyes:
 
 
 @lru_cache(2)
-def _projected(scene: bytes, points: int) -> ProjectedEyes:
-    return ProjectedEyes(msgspec.msgpack.decode(scene, type=Scene), points)
+def _projected(scene: bytes, points: int) -> SimulatedEyes:
+    return SimulatedEyes(msgspec.msgpack.decode(scene, type=Scene), points)
 
 
-class SurfaceEyes(ProjectedEyes):
+class SurfaceEyes(SimulatedEyes):
     """Points on the robot's surface, hidden where it is turned away from the camera.
 
     scene: `body` takes the place of its layouts; body: N points; normals: (N, 3), unit normals in the links' frames,
@@ -217,7 +217,7 @@ def draw_scene(rng: np.random.Generator, any_head: bool = False) -> DrawnScene:
 
 def open_resized(camera: str, scene: Scene, points: int, size: float) -> SimulatedEyes:
     """Open eyes that see a learner of this size."""
-    eyes = ProjectedEyes(scene, points)
+    eyes = SimulatedEyes(scene, points)
     resize(eyes.world, size)
     return eyes
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...analysis.landscape import Landscape, conflict_of_images, grid_axes, landscape_over
+from ...analysis.landscape import Landscape, conflict_of_images, grid_axes, landscape_over, seen_from
 from ...loop.session import Session
 from ...loop.simulated_robot import demo_order
 from ...simulation.world import World
@@ -74,10 +74,10 @@ def own_minimum(session: Session) -> NDArray[np.float64]:
 
     Finer grids around the local minima of a coarse one are searched. NaN if too few points are seen.
     """
-    views, fit, world = session.snapshot.views, session.snapshot.fit, session.world
-    over = lambda axes: landscape_over(world, fit, views.demo, views.visible[:, :2], axes)
-    degrees, axes, images = _grids(world)
-    places = Landscape(axes, *conflict_of_images(fit, views.demo, views.visible[:, :2], *images)).local_minima()
+    seen = seen_from(session.world, session.snapshot)
+    over = lambda axes: landscape_over(*seen, axes)
+    degrees, axes, images = _grids(session.world)
+    places = Landscape(axes, *conflict_of_images(*seen[1:], *images)).local_minima()
     if not len(places):
         return np.full(2, np.nan)
     about = [

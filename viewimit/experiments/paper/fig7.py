@@ -2,13 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from textwrap import wrap
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...analysis.landscape import Landscape, conflict_at, grid_axes, landscape_over
+from ...analysis.landscape import Landscape, conflict_at, grid_axes, landscape_over, seen_from
 from ...analysis.minima import MAX_RELATIVE_ERROR, RADII_DEG, Conflict, Convexity, Minima, convexity, local_minima
 from ...drawing import relief, svg
 from ...drawing.labels import CHARACTER
@@ -179,21 +178,15 @@ def grid_step_deg(session: Session) -> float:
     return max(1.0, float(np.sqrt(np.prod(np.diff(session.scene.range_deg)) / PAPER_RANGE_DEG2)))
 
 
-def conflict_of(session: Session, transfer: str) -> Conflict:
-    """Return E as a function of the learner's postures, for the demonstrator as the learner has seen it."""
-    views, fit, world = session.snapshot.views, partial(session.snapshot.fit, by=transfer), session.world
-    return lambda theta: conflict_at(world, fit, views.demo, views.visible[:, :2], theta)[0]
-
-
-def over_grid(session: Session, transfer: str, axes: tuple[NDArray, NDArray]) -> Landscape:
-    """Compute E over a grid, for the demonstrator as the learner has seen it."""
-    views, fit = session.snapshot.views, partial(session.snapshot.fit, by=transfer)
-    return landscape_over(session.world, fit, views.demo, views.visible[:, :2], axes)
+def _minima(session: Session, transfer: str, axes: tuple[NDArray, NDArray]) -> tuple[Conflict, Landscape, Minima]:
+    """E as a function, on the grid, and its minima, for the demonstrator as the learner has seen it."""
+    seen = seen_from(session.world, session.snapshot, transfer)
+    E_at, found = lambda theta: conflict_at(*seen, theta)[0], landscape_over(*seen, axes)
+    return E_at, found, local_minima(found, E_at)
 
 
 def _surface(session: Session, transfer: str, axes: tuple[NDArray, NDArray]) -> Surface:
-    E_at, found = conflict_of(session, transfer), over_grid(session, transfer, axes)
-    minima = local_minima(found, E_at)
+    E_at, found, minima = _minima(session, transfer, axes)
     bounds = np.array([[axis.min(), axis.max()] for axis in axes])
     curved = convexity(E_at, minima.theta[0], bounds) if len(minima) else None
     E_demo = float(E_at(session.snapshot.theta_demo[:, None])[0])
@@ -201,8 +194,7 @@ def _surface(session: Session, transfer: str, axes: tuple[NDArray, NDArray]) -> 
 
 
 def _study_row(session: Session, transfer: str, axes: tuple[NDArray, NDArray]) -> tuple:
-    found = over_grid(session, transfer, axes)
-    minima = local_minima(found, conflict_of(session, transfer))
+    _, found, minima = _minima(session, transfer, axes)
     demo_deg = np.array(session.settings.demonstrator_deg)
     bias = np.degrees(minima.theta[0]) - demo_deg if len(minima) else np.full(2, np.nan)
     return demo_deg, len(minima), int(minima.on_limit.sum()), len(found.local_minima()), found.basin_fraction(), bias
@@ -268,7 +260,7 @@ def _biases(scene: Scene, found: Fig7 | None) -> str:
     most = float(np.ceil(max([MIN_BIAS_DEG, *largest, *np.abs(here).ravel()])))
     left, top, right, bottom = BIAS_BOX
     wide = most * (right - left) / (bottom - top)
-    plot = Axes(BIAS_BOX, (-wide, wide), (-most, most))
+    plot = Axes(*BIAS_BOX, (-wide, wide), (-most, most))
     shown = 5.0 * max(1, most // 10)
     ticks = [(angle, svg.number(angle, 0) + "°") for angle in (-shown, 0, shown)]
     parts = [plot.frame("Minimum − demonstrator", "", ticks, ticks, TITLE_OUTDENT)]
@@ -291,7 +283,7 @@ def _validity(found: Fig7 | None) -> str:
     curves = {name: each.convexity for name, each in found.surfaces.items() if each.convexity} if found else {}
     worst = np.concatenate([*(100 * curved.worst for curved in curves.values()), np.empty(0)])
     x, y = (float(RADII_DEG[0]), float(RADII_DEG[-1])), (decades(worst, *PERCENT)[0], np.nanmax([*worst, PERCENT[1]]))
-    plot = Axes(VALIDITY_BOX, x, y, log10, log10)
+    plot = Axes(*VALIDITY_BOX, x, y, log10, log10)
     ticks = [(value, f"{words} %") for value, words in decade_ticks(*y, 3)]
     degrees = [(radius, f"{radius}°") for radius in (1, 3, 10, 30)]
     parts = [plot.frame("E − δθᵀQδθ, relative", "", degrees, ticks, TITLE_OUTDENT)]

@@ -38,12 +38,18 @@ class BundleAdjustment:
     observations: Observations  # of known points alone
     coordinates: NDArray[np.float64]  # (K, N, 3): of the images in the kinematics' frame
     noise_px: float  # standard deviation of an image coordinate
+    magnification: NDArray[np.float64]  # (K, N, 1): of that noise by the rectification
 
     @classmethod
     def of(cls, kinematics: ProjectiveKinematics, observations: Observations, noise_px: float) -> "BundleAdjustment":
         """Set it up for images that are rectified as the kinematics are."""
         images = np.where(observations.visible_in_both[..., None], observations.images, 0.0)
-        return cls(observations, kinematics.coordinates_of(images), noise_px)
+        return cls(observations, kinematics.coordinates_of(images), noise_px, kinematics.magnification(images))
+
+    def select_visits(self, visits: NDArray[np.bool_]) -> "BundleAdjustment":
+        """Keep some visits, (K,) bool."""
+        seen, at, enlarged = self.observations.select_visits(visits), self.coordinates, self.magnification
+        return BundleAdjustment(seen, at[visits], self.noise_px, enlarged[visits])
 
     @property
     def noise_floor_px(self) -> float:
@@ -64,14 +70,15 @@ class BundleAdjustment:
     def residuals(
         self, kinematics: ProjectiveKinematics, displacement: NDArray[np.float64] | None = None
     ) -> NDArray[np.float64]:
-        """Predicted minus observed coordinates, (..., K, N, 3) px, 0 of images that were not seen.
+        """Predicted minus observed coordinates, (..., K, N, 3) px as seen, 0 of images that were not seen.
 
         The kinematics may be several at once, with (..., P) parameters and (..., N, 3) points. displacement: where the
         arm was instead, (..., K, m) rad.
         """
         at = self.observations.displacement if displacement is None else displacement
         difference = kinematics.coordinates(at) - self.coordinates
-        return np.where(self.observations.visible_in_both[..., None], difference * kinematics.frame.unit_px, 0.0)
+        pixels = difference * (kinematics.frame.unit_px / self.magnification)
+        return np.where(self.observations.visible_in_both[..., None], pixels, 0.0)
 
     def mean_squares(self, kinematics: ProjectiveKinematics) -> NDArray[np.float64]:
         """Mean square of each point's residuals, (N,) px²."""
@@ -139,12 +146,11 @@ def fit_kinematics(
     initial = previous or _initial(observations, images, rectification)
     if not is_of_parallel_cameras(initial.frame, noise_px):
         return None
-    coordinates = initial.frame.coordinates(images)
     moved_by, known = clusters
     moved_by = np.where(initial.unknown[:, None], moved_by, initial.moved_by)
     initial = replace(initial, moved_by=moved_by, rectification=rectification)
-    initial = initial.with_points(known & initial.unknown, observations, coordinates)
-    problem = BundleAdjustment(observations, coordinates, noise_px)
+    problem = BundleAdjustment.of(initial, observations, noise_px)
+    initial = initial.with_points(known & initial.unknown, observations, problem.coordinates)
     found = _solve_from(initial, problem, is_first=previous is None)
     if found is None:
         return None
@@ -191,8 +197,7 @@ def _solve_from(
     near = np.abs(known.observations.displacement - initial.reference).max(1) < NEAR_RAD
     if near.sum() <= len(initial.reference) or near.all():
         return known.solve(initial)
-    nearby = BundleAdjustment(known.observations.select_visits(near), known.coordinates[near], known.noise_px)
-    first = nearby.solve(initial)
+    first = known.select_visits(near).solve(initial)
     return None if first is None else known.solve(first) or _solve_reassigned(first, known)
 
 
@@ -207,9 +212,7 @@ def _solve_reassigned(initial: ProjectiveKinematics, problem: BundleAdjustment) 
 
 def with_likely_joints(kinematics: ProjectiveKinematics, observations: Observations) -> ProjectiveKinematics:
     """Place the unknown points, too: let those be moved by the joints that fit their images best, without a test."""
-    images = np.where(observations.visible_in_both[..., None], observations.images, 0.0)
-    images = images if kinematics.rectification is None else kinematics.rectification.apply(images)
-    problem = BundleAdjustment(observations, kinematics.frame.coordinates(images), 0.0)
+    problem = BundleAdjustment.of(kinematics, observations, 0.0)
     doubtful = kinematics.unknown & observations.visible_in_both.any(0)
     return reassigned(kinematics, doubtful, problem, required=False)
 
@@ -252,7 +255,7 @@ class KinematicsCovariance:
     def estimate(cls, kinematics: ProjectiveKinematics, observations: Observations) -> "KinematicsCovariance":
         """Estimate it from the visits to which the kinematics were fitted."""
         observations = observations.restrict(~kinematics.unknown)
-        problem = BundleAdjustment(observations, np.zeros((*observations.visible_in_both.shape, 3)), 1.0)
+        problem = BundleAdjustment.of(kinematics, observations, 1.0)
         P = len(kinematics.parameters)
         A, B, C = normal_equations(jacobian(kinematics, problem.residuals, problem.residuals(kinematics)), P)
         gain = -np.linalg.pinv(C, hermitian=True) @ B.swapaxes(1, 2)

@@ -120,7 +120,8 @@ class _PointFit:
         transforms = chain_transforms(motions, joints, np.eye(4))
         T = np.stack([np.broadcast_to(one, (len(motions), 4, 4)) for one in transforms])[:, None]
         visible = problem.observations.visible_in_both[:, index].T
-        weight = visible[..., None] * kinematics.frame.unit_px
+        enlarged = problem.magnification[:, index].swapaxes(0, 1)
+        weight = visible[..., None] * kinematics.frame.unit_px / enlarged
         return cls(T, problem.coordinates[:, index].swapaxes(0, 1), weight, visible.argmax(1))
 
     def solve(self) -> tuple[Array, Array]:

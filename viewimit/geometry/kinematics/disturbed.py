@@ -149,7 +149,7 @@ def fit_shortfall(
     images = np.where(sent.visible_in_both[..., None], sent.images, 0.0)
     if previous is not None and (previous[0].rectification is None) == (rectification is None):
         kinematics, shortfall = replace(previous[0], rectification=rectification), previous[1]
-        problem = BundleAdjustment(sent, kinematics.coordinates_of(images), noise_px).restricted_to_known(kinematics)
+        problem = BundleAdjustment.of(kinematics, sent, noise_px).restricted_to_known(kinematics)
         found = _fit_shortfall(kinematics, shortfall.share, problem)
         if found is not None and SHARES[0] < abs(found[1].share) < SHARES[1]:
             return found
@@ -161,9 +161,8 @@ def fit_shortfall(
     seen = sent.visible_in_both[near].all(0)
     if near.sum() <= sent.displacement.shape[1] or seen.mean() < MIN_SEEN:
         return None
-    coordinates = frame.coordinates(images)
     initial = ProjectiveKinematics.initial(len(seen), sent.displacement[0], frame, rectification)
-    problem = BundleAdjustment(sent.restrict(seen), coordinates, noise_px)
+    problem = BundleAdjustment.of(initial, sent.restrict(seen), noise_px)
     if problem.degrees_of_freedom < 2:
         return None
     for first in FIRST_SHARES:
@@ -171,7 +170,7 @@ def fit_shortfall(
         rates = np.linalg.lstsq(reached[near] - reached[0], (images[near] - images[0]).reshape(near.sum(), -1))[0]
         rates = np.abs(rates).reshape(-1, *images.shape[1:]).max(-1).T * seen[:, None]  # (N, m)
         moved_by = rates > MOVED_SHARE * rates.max(0)
-        kinematics = replace(initial, moved_by=moved_by).with_points(seen, problem.observations, coordinates)
+        kinematics = replace(initial, moved_by=moved_by).with_points(seen, problem.observations, problem.coordinates)
         found = _fit_shortfall(kinematics, first, problem)
         if found is not None and SHARES[0] < abs(found[1].share) < SHARES[1]:
             return None if problem.solve(found[0]) is not None else found
@@ -243,7 +242,7 @@ def fit_lens(
         frame = StereoFrame.fit(shown if rectified is None else rectified.apply(shown))
         kinematics = ProjectiveKinematics.initial(len(known), seen.displacement[0], frame, rectified)
         kinematics = replace(kinematics, moved_by=moved_by)
-        problem = BundleAdjustment(seen, kinematics.coordinates_of(images), noise_px)
+        problem = BundleAdjustment.of(kinematics, seen, noise_px)
         if problem.degrees_of_freedom <= N_LENS:
             return None
         kinematics = kinematics.with_points(known, seen, problem.coordinates)

@@ -139,6 +139,12 @@ class ProjectiveKinematics:
         """Coordinates (..., 3) in the stereo frame of images (..., 4) px."""
         return self.frame.coordinates(images if self.rectification is None else self.rectification.apply(images))
 
+    def magnification(self, images: NDArray[np.float64]) -> NDArray[np.float64]:
+        """By how much larger noise is in the coordinates of images (..., 4) px than in the images, (..., 1)."""
+        if self.rectification is None:
+            return np.ones((*images.shape[:-1], 1))
+        return np.sqrt((self.rectification.magnification(images) ** 2).mean(-1, keepdims=True))
+
     def affine_coordinates(self, images: NDArray[np.float64]) -> NDArray[np.float64]:
         """Reconstruct points from stereo images of any body in front of the head, up to an affine map.
 

@@ -122,20 +122,19 @@ def _begin(
     sent: Observations, noise_px: float, rectification: Rectification | None, previous: OwnBody | None
 ) -> tuple[ProjectiveKinematics, BundleAdjustment] | None:
     """Kinematics to begin with, and the problem; None if the images leave open what any joint does."""
-    images = np.where(sent.visible_in_both[..., None], sent.images, 0.0)
-    images = images if rectification is None else rectification.apply(images)
     if previous is not None:
         kinematics = replace(previous.kinematics, rectification=rectification)
-        problem = BundleAdjustment(sent, kinematics.frame.coordinates(images), noise_px)
+        problem = BundleAdjustment.of(kinematics, sent, noise_px)
         return (kinematics, problem) if is_of_parallel_cameras(kinematics.frame, noise_px) else None
     chains = first_chains(sent, noise_px)
     if chains is None or len(sent.displacement) <= sent.displacement.shape[1] or sent.n_points < MIN_POINTS:
         return None
-    frame = StereoFrame.fit(images[sent.visible_in_both])
+    images = sent.images[sent.visible_in_both]
+    frame = StereoFrame.fit(images if rectification is None else rectification.apply(images))
     if not is_of_parallel_cameras(frame, noise_px):
         return None
-    problem = BundleAdjustment(sent, frame.coordinates(images), noise_px)
-    kinematics = ProjectiveKinematics.initial(images.shape[1], sent.displacement[0], frame, rectification)
+    kinematics = ProjectiveKinematics.initial(sent.images.shape[1], sent.displacement[0], frame, rectification)
+    problem = BundleAdjustment.of(kinematics, sent, noise_px)
     kinematics = replace(kinematics, moved_by=chains[0]).with_points(chains[1], sent, problem.coordinates)
     return kinematics, problem
 
@@ -150,8 +149,7 @@ def _exact(
     if previous is None:  # nearby visits first: there is no other minimum
         near = np.abs(sent.displacement - kinematics.reference).max(1) < NEAR_RAD
         if len(kinematics.reference) < near.sum() < len(near):
-            nearby = BundleAdjustment(sent.select_visits(near), problem.coordinates[near], noise_px)
-            kinematics = _solved(kinematics, nearby)
+            kinematics = _solved(kinematics, problem.select_visits(near))
     kinematics, found = _solved(kinematics, problem), None
     for _ in range(ROUNDS):
         known = problem.restricted_to_known(kinematics)

@@ -46,12 +46,13 @@ class Difference:
     """What the demonstrator differs in from the own body and head: unknowns besides T and its angles.
 
     A joint whose attachment is shifted changes the link before it, in length and direction. Points that sit elsewhere
-    are free. Another head has another frame.
+    are free. Another head has another frame. `spread` keeps shifts and points near those of the own body.
     """
 
     shifted: bool = False  # whether all joints are attached elsewhere: 3 metric coordinates each
     points: tuple[int, ...] = ()  # that sit elsewhere: 3 coordinates each
     other_head: bool = False  # N_FRAME parameters
+    spread: float = np.inf  # standard deviation of each coordinate that differs, in the body's rms extent
 
     def sizes(self, joints: int) -> tuple[int, int, int]:
         """Numbers of unknowns."""
@@ -128,6 +129,12 @@ class BodyPair:
         return len(self.kinematics.reference)
 
     @property
+    def extent(self) -> float:
+        """Rms distance of the own points from their mean, per coordinate, in metric coordinates."""
+        known = self.points[~np.isnan(self.points[:, 0])]
+        return float(metric_points(self.body.metric_upgrade, known).std(0).mean())
+
+    @property
     def _differing(self) -> tuple[Array, Array, Array]:
         """Shifts of the joints (..., m, 3) or none, of the points (..., n, 3), and the demonstrator's frame or none."""
         sizes = self.difference.sizes(self.n_joints)
@@ -154,8 +161,9 @@ class BodyPair:
             E[..., :3, 3] = shifts
             motions = (back[..., None, :, :] @ E @ A[..., None, :, :])[..., None, :, :, :] @ motions
         if self.difference.points:
-            points = np.broadcast_to(points, (*offsets.shape[:-2], *points.shape[-2:])).copy()
-            points[..., list(self.difference.points), :] += offsets
+            metric = metric_points(A, np.broadcast_to(points, (*A.shape[:-2], *points.shape[-2:])))
+            metric[..., list(self.difference.points), :] += offsets
+            points = metric_points(back, metric)
         homogeneous = np.concatenate([points, np.ones((*points.shape[:-1], 1))], -1)[..., None, :, :]
         found = np.empty((*self.angles.shape[:-1], *points.shape[-2:]))
         clusters = body.clusters
@@ -184,6 +192,7 @@ class PairAdjustment:
     own: BundleAdjustment  # of the own visits
     images: Array  # (T, N, 4) px: of the demonstrator in [l, r], rectified, 0 where not visible
     visible: NDArray[np.bool_]  # (T, N, 2): which of its points are visible in each image
+    magnification: Array  # (T, N, 2): of their noise by the rectification
     weight: float = 1.0  # of their residuals: noise of the own images over the noise of these
 
     @classmethod
@@ -198,10 +207,9 @@ class PairAdjustment:
         """Set it up. demo: (T, N, 4) px in [l, r], NaN where hidden; observations: of the own body, as demo in px."""
         own = BundleAdjustment.of(kinematics, observations, noise_px).restricted_to_known(kinematics)
         visible = np.isfinite(demo[..., ::2]) & ~kinematics.unknown[:, None]
-        rectification = kinematics.rectification
-        images = np.nan_to_num(demo)
-        images = images if rectification is None else rectification.apply(images)
-        return cls(own, images, visible, weight)
+        images, by = np.nan_to_num(demo), kinematics.rectification
+        enlarged = np.ones(visible.shape) if by is None else by.magnification(images)
+        return cls(own, images if by is None else by.apply(images), visible, enlarged, weight)
 
     @property
     def visible_in_both(self) -> NDArray[np.bool_]:
@@ -222,7 +230,8 @@ class PairAdjustment:
         one image alone shows has the two coordinates of that image.
         """
         frame, coordinates = pair.kinematics.frame, pair.demonstrator()
-        difference = (coordinates - frame.coordinates(self.images)) * frame.unit_px
+        enlarged = np.sqrt((self.magnification**2).mean(-1, keepdims=True))
+        difference = (coordinates - frame.coordinates(self.images)) * (frame.unit_px / enlarged)
         theirs = np.where(self.visible_in_both[..., None], difference, 0.0)
         if (self.visible.any(-1) != self.visible_in_both).any():
             theirs = theirs + self._partial_residuals(coordinates @ frame.axes + frame.mean)
@@ -231,7 +240,8 @@ class PairAdjustment:
     def _partial_residuals(self, images: Array) -> Array:
         """Predicted minus observed x and y, and 0, of points that one image alone shows, of (..., T, N, 4) px."""
         alone = self.visible & ~self.visible_in_both[..., None]
-        difference = np.where(np.repeat(alone, 2, -1), images - self.images, 0.0)
+        enlarged = np.repeat(self.magnification, 2, -1)
+        difference = np.where(np.repeat(alone, 2, -1), (images - self.images) / enlarged, 0.0)
         return np.concatenate([difference[..., :2] + difference[..., 2:], np.zeros_like(difference[..., :1])], -1)
 
     def starts(self, kinematics: ProjectiveKinematics, postures: Array, mirror: bool = False) -> list[BodyPair]:
@@ -256,10 +266,10 @@ class PairAdjustment:
         return sorted(pairs, key=lambda pair: float((self.residuals(pair) ** 2).sum()))
 
     def prior_weights(self, pair: BodyPair) -> Array:
-        """(P,) px²: as of `BundleAdjustment`, and the same for what the demonstrator differs in."""
+        """(P,) px²: as of `BundleAdjustment`, and the same for what the demonstrator differs in, or by its spread."""
         weights = self.own.prior_weights(len(pair.parameters))
-        added = sum(pair.difference.sizes(pair.n_joints))
-        weights[len(weights) - added :] = weights[0]
+        added, spread = sum(pair.difference.sizes(pair.n_joints)), pair.difference.spread * pair.extent
+        weights[len(weights) - added :] = weights[0] if np.isinf(spread) else (self.own.noise_px / spread) ** 2
         return weights
 
     def solve(self, initial: BodyPair, max_iter: int = MAX_ITER) -> BodyPair:
@@ -363,9 +373,9 @@ def fit_similarity(source: Array, target: Array, mirror: bool = False) -> Array:
 
 
 def metric_points(A: Array, coordinates: Array) -> Array:
-    """Map coordinates (N, 3) in the stereo frame to metric ones by A, (4, 4)."""
-    h = np.concatenate([coordinates, np.ones((len(coordinates), 1))], 1) @ A.T
-    return h[:, :3] / np.maximum(h[:, 3:], MIN_DENOMINATOR)
+    """Map coordinates (..., N, 3) in the stereo frame to metric ones by A, (..., 4, 4)."""
+    h = np.concatenate([coordinates, np.ones((*coordinates.shape[:-1], 1))], -1) @ A.swapaxes(-1, -2)
+    return h[..., :3] / np.maximum(h[..., 3:], MIN_DENOMINATOR)
 
 
 def nearest_similarity(H: Array, A: Array) -> Array:

@@ -58,10 +58,11 @@ def angles_at_known_place(before: Estimate, demo: NDArray[np.float64], see: Obse
     if np.count_nonzero(seen) < MIN_POINTS:
         return before.theta
     observed = pair.kinematics.coordinates_of(demo[seen])
+    unit_px = frame.unit_px / pair.kinematics.magnification(demo[seen])
 
     def residuals(theta: NDArray[np.float64]) -> NDArray[np.float64]:
         shown = pair.in_postures(theta[..., None, :]).demonstrator()[..., 0, :, :]
-        return (shown[..., seen, :] - observed) * frame.unit_px
+        return (shown[..., seen, :] - observed) * unit_px
 
     return minimise(residuals, before.theta[None], see.lower, see.upper).theta
 

@@ -5,6 +5,7 @@
 | the same body | 7 of a similarity, m angles | `same_body`, from the last estimate or each minimum of E |
 | the same body, points swapped | the same, times the choices | `find_pairs` |
 | another body | 3m more | `likeliest_other` |
+| a body whose links and points all differ a little | one more, their spread | `likeliest_other`, if no other fits |
 | another head | 8 more | `likeliest_other` |
 | points elsewhere | 3 more for each | `likeliest_other` |
 | mirrored | no more | `likeliest_other` |

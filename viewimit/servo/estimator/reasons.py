@@ -3,7 +3,7 @@
 Every reason is a small model on the final adjustment, with a few unknowns more. A lens bends the own images, too. Of k
 unknowns that raise the cost of the own images to C (in variances of the noise), the best model has the least
 C + k ln n, the Bayesian information criterion, n the number of image coordinates. The best is named if noise explains
-what it leaves.
+what it leaves. Else another body is named whose links and points all differ a little, if one spread explains that.
 
 Which reasons cannot be distinguished: within a rigid group of points, a longer link, a fixed joint turned, and points
 moved on it; a home offset of a joint and its angle; a body larger as a whole and one farther away.
@@ -39,6 +39,7 @@ N_FUNDAMENTAL = 7  # unknowns of a fundamental matrix, which a rectification res
 MAX_REASON_SIGMAS = 3.72  # as MAX_SIGMAS, of a reason why another body differs: once in ten thousand
 HOPEFUL = 0.5  # share of the price of a lens that it has to save of the own images, to be fitted to all
 MIRROR_GRID = 13  # postures per joint, in which a mirror image is looked for
+FIRST_SPREAD, SPREADS = 0.05, (0.004, 0.1)  # of links and points that all differ, in the body's rms extent: first; told
 MIN_LEVER = 0.1  # of the body's extent: a shorter link has no relative length
 
 
@@ -131,6 +132,9 @@ class Reasons:
         found = sorted(self.all(), key=criterion)
         hopeful = [one.finished() for one in found[:N_FINISHED]]
         best, *others = sorted([*hopeful, *found[N_FINISHED:]], key=criterion)
+        if best.fit.sigmas >= MAX_REASON_SIGMAS and (rough := self._roughly_alike()) is not None:
+            misfit = Misfit(rough.kind, amount=rough.amount)
+            return Explanation(misfit, rough.adjustment.estimate(rough.fit), 0.0), rough
         estimate = best.adjustment.estimate(best.fit)
         if best.kind is MisfitKind.NONE or best.fit.sigmas >= MAX_REASON_SIGMAS:
             return Explanation(Misfit(MisfitKind.NONE), estimate, 0.0), best
@@ -182,6 +186,24 @@ class Reasons:
     ) -> Candidate:
         start = self.same.pair.with_difference(Difference(points=points))
         return self._candidate(kind, self.adjustment.fit(start, max_iter), points, choices)
+
+    def _roughly_alike(self) -> Candidate | None:
+        """Fit a body whose links and points all differ a little; None if they differ by too little, or by too much.
+
+        All are normal about the own ones, with one spread, which is estimated twice: χ² of the demonstrator's images
+        by noise and spread has as many degrees of freedom as they add.
+        """
+        visible = tuple(np.flatnonzero(self.adjustment.problem.visible_in_both[0]).tolist())
+        spread, pair = FIRST_SPREAD, self.same.pair
+        for _ in range(2):
+            difference = Difference(shifted=True, points=visible, spread=spread)
+            fit = self.adjustment.fit(pair.with_difference(difference), FEW_STEPS)
+            differs = fit.pair.parameters[len(pair.parameters) :] / pair.extent  # as weighed in the fit
+            squares = float(((differs / spread) ** 2).sum()) + fit.raised
+            spread *= np.sqrt(squares / self.adjustment.problem.degrees_of_freedom)
+            if not SPREADS[0] < spread < SPREADS[1]:
+                return None
+        return Candidate(MisfitKind.ANOTHER_BODY, self.adjustment, fit, np.inf, visible, float(spread))
 
     def _mirrored(self) -> PairFit | None:
         """Fit a mirror image, from the posture of a grid in which a reflection agrees best."""

@@ -133,7 +133,8 @@ class Information:
         nearest = np.abs(places[:, None] - seen.displacement).max(-1).argmin(1)
         visible = seen.visible_in_both[nearest] & ~pair.kinematics.unknown
         blank = Observations(places, np.zeros((*visible.shape, 4)), visible)
-        looks = BundleAdjustment(blank, np.zeros((*visible.shape, 3)), 1.0)
+        enlarged = pair.body.magnification(pair.body.predict(places))
+        looks = BundleAdjustment(blank, np.zeros((*visible.shape, 3)), 1.0, enlarged)
 
         def shown_by(model: BodyPair) -> Array:
             return looks.residuals(model.body)

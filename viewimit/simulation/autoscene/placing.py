@@ -160,14 +160,7 @@ def image_jacobian(robot: Robot, angles: Floats, surface: Surface, cameras: Came
 def two_that_move_most(J: Floats, spans: Floats, among: Sequence[int]) -> tuple[tuple[int, int], float]:
     """Return the two joints whose ranges sweep the largest area of the images, and that area [px²].
 
-    Parameters
-    ----------
-    J : (K, n) array
-        Jacobian of the images [px/rad].
-    spans : (n,) array
-        Widths of the ranges [rad].
-    among : sequence of int
-        Numbers, from 1, of the joints to choose from.
+    J: Jacobian of the images, (K, n) px/rad; spans: (n,) rad, widths of the ranges; among: numbers, from 1.
     """
     swept = J * spans / np.sqrt(len(J) / 2)
     gram = swept.T @ swept

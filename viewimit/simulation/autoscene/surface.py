@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..camera import Camera
 from ..meshes import Mesh
-from ..robot import Robot
+from ..robot import BodyPoints, Robot
 
 LINK_SAMPLES, BASE_SAMPLES = 80, 400
 BODY_SAMPLES = 3_000  # for each link, to find collisions
@@ -41,23 +41,14 @@ class Surface:
 
     def at(self, T_base_links: Floats) -> tuple[Floats, Floats]:
         """Return places and normals in the base frame, (K, 3) each, given the frames of the links, (n + 1, 4, 4)."""
-        T = T_base_links[self.link]
-        turned = np.einsum("kij,kj->ki", T[:, :3, :3], self.local)
-        return turned + T[:, :3, 3], np.einsum("kij,kj->ki", T[:, :3, :3], self.normal)
+        R = T_base_links[self.link, :3, :3]
+        return BodyPoints(self.link, self.local).at(T_base_links), np.einsum("kij,kj->ki", R, self.normal)
 
 
 def sample_arm(meshes: Mapping[int, Mesh], robot: Robot, rest: Floats, first: int) -> Surface:
     """Sample places evenly over each link, and over the base near the arm.
 
-    Parameters
-    ----------
-    meshes : mapping
-        By link number.
-    robot : Robot
-    rest : (n,) array
-        Posture [rad].
-    first : int
-        Number, from 1, of the first joint that moves.
+    rest: posture, (n,) rad; first: number, from 1, of the first joint that moves.
     """
     surface = sample_links(meshes)
     frames = robot.link_frames(rest)
@@ -124,24 +115,9 @@ def parts_of(link: Ints, moving: list[int]) -> Ints:
 def choose_layout(surface: Surface, places: Floats, visible: Floats, part: Ints, count: int) -> Ints:
     """Choose body points far from each other, with a share for each part of the arm.
 
-    The parts take turns. Each takes the place that is farthest from all those chosen before.
-
-    Parameters
-    ----------
-    surface : Surface
-        K places.
-    places : (K, 3) array
-        The places in the base frame at rest [m].
-    visible : (K,) array
-        Fraction of the views that show each place.
-    part : (K,) array
-        As `parts_of`.
-    count : int
-
-    Returns
-    -------
-    (count,) array
-        Indices of places, base first, tip last; fewer if there are no more places.
+    The parts take turns. Each takes the place that is farthest from all those chosen before. places: (K, 3) m in the
+    base frame at rest; visible: (K,), fraction of the views that show each; part: (K,), from `parts_of`. Returns
+    indices of places, base first, tip last; fewer than count if there are no more places.
     """
     candidates = {number: _most_visible(visible, np.flatnonzero(part == number)) for number in np.unique(part)}
     middle = np.median(places, axis=0)

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from .tree import KINDS, REST_MARGIN, SLIDING, TURNING, Tree, TreeJoint
 
+Floats = NDArray[np.float64]
+
 FINGER = re.compile(
     r"finger|jaw|thumb|knuckle|claw", re.IGNORECASE
 )  # in the name of a joint or of the link that it moves
@@ -162,7 +164,7 @@ def _subtree_length(tree: Tree, joint: TreeJoint) -> float:
     return own + max((_subtree_length(tree, other) for other in _below(tree, joint)), default=0.0)
 
 
-def carrier_frames(tree: Tree, arm: Chain) -> dict[str, tuple[int, NDArray[np.float64]]]:
+def carrier_frames(tree: Tree, arm: Chain) -> dict[str, tuple[int, Floats]]:
     """Return for each link the number of the arm's joint that moves it rigidly (0 = base), and T_carrier_link (4, 4).
 
     Numbers are those of `Robot.joints`, from 1. Joints outside the arm are at rest.
@@ -173,7 +175,7 @@ def carrier_frames(tree: Tree, arm: Chain) -> dict[str, tuple[int, NDArray[np.fl
     for joint in tree.joints:
         below.setdefault(joint.parent, []).append(joint)
     root, T_root_base = _root_of(tree, arm.base)
-    frames: dict[str, tuple[int, NDArray[np.float64]]] = {root: (0, np.asarray(np.linalg.inv(T_root_base), float))}
+    frames: dict[str, tuple[int, Floats]] = {root: (0, np.asarray(np.linalg.inv(T_root_base), float))}
     pending = [root]
     while pending:
         link = pending.pop()
@@ -201,7 +203,7 @@ def held_links(tree: Tree, arm: Chain) -> set[str]:
     return held
 
 
-def _root_of(tree: Tree, link: str) -> tuple[str, NDArray[np.float64]]:
+def _root_of(tree: Tree, link: str) -> tuple[str, Floats]:
     """The root above a link, and T_root_link."""
     by_child = {joint.child: joint for joint in tree.joints}
     T = np.eye(4)

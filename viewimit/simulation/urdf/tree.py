@@ -15,6 +15,8 @@ from ...geometry.rigid import rigid_transform, rotation_about_axis, rotation_fro
 from ...sensing.files import read_bytes
 from .reference import MAX_BYTES, require_urdf_content
 
+Floats = NDArray[np.float64]
+
 TURNING, SLIDING, FREE = ("revolute", "continuous"), ("prismatic",), ("planar", "floating")
 KINDS = (*TURNING, *SLIDING, *FREE, "fixed")
 SHAPES = {  # attributes of their size, with defaults
@@ -62,8 +64,8 @@ class TreeJoint:
     kind: str  # the type that the file names
     parent: str  # link
     child: str  # link
-    T_parent_joint: NDArray[np.float64]  # (4, 4) at value 0, m
-    axis: NDArray[np.float64]  # (3,) in the joint's frame
+    T_parent_joint: Floats  # (4, 4) at value 0, m
+    axis: Floats  # (3,) in the joint's frame
     lower: float  # rad or m
     upper: float  # rad or m
     limited: bool  # the file gives limits
@@ -90,7 +92,7 @@ class TreeJoint:
         """Whether this link is its parent or its child."""
         return link in (self.parent, self.child)
 
-    def at(self, value: float) -> NDArray[np.float64]:
+    def at(self, value: float) -> Floats:
         """Return T_parent_child, (4, 4), for a value [rad or m]."""
         if self.turns:
             return self.T_parent_joint @ rigid_transform(rotation_about_axis(self.axis, value))
@@ -104,7 +106,7 @@ class Shape:
     """A visible shape of a link."""
 
     kind: str  # of SHAPES
-    T_link_shape: NDArray[np.float64]  # (4, 4), m
+    T_link_shape: Floats  # (4, 4), m
     size: tuple[float, ...]  # edges, radius and length, or radius [m]; of a mesh, the scale of its axes
     file: str = ""  # of a mesh, as the URDF names it
 
@@ -248,7 +250,7 @@ def _read_joint(path: Path, element: ElementTree.Element, faults: list[str]) -> 
     for part in (element, *element):
         _report_unknown(path, where, part, faults)
 
-    def numbers(tag: str, attribute: str, default: str) -> NDArray[np.float64]:
+    def numbers(tag: str, attribute: str, default: str) -> Floats:
         return _numbers(path, where, element.find(tag), attribute, default)
 
     def link(tag: str) -> str:
@@ -307,7 +309,7 @@ def _read_shapes(path: Path, link: ElementTree.Element, tag: str, faults: list[s
         yield Shape(element.tag, T_link_shape, tuple(np.concatenate(size).tolist()), element.get("filename", ""))
 
 
-def _origin(path: Path, where: str, element: ElementTree.Element) -> NDArray[np.float64]:
+def _origin(path: Path, where: str, element: ElementTree.Element) -> Floats:
     origin = element.find("origin")
     rpy, xyz = (_numbers(path, where, origin, name, "0 0 0") for name in ("rpy", "xyz"))
     if origin is None or origin.get("quat_xyzw") is None:
@@ -330,9 +332,7 @@ def _report_unknown(path: Path, where: str, element: ElementTree.Element, faults
         faults.append(f"{path}: {where}: <{element.tag} {_short(name)}=…> is not understood, and left out")
 
 
-def _numbers(
-    path: Path, where: str, element: ElementTree.Element | None, attribute: str, default: str
-) -> NDArray[np.float64]:
+def _numbers(path: Path, where: str, element: ElementTree.Element | None, attribute: str, default: str) -> Floats:
     text = default if element is None else element.get(attribute, default)
     try:
         values = np.array([float(word) for word in text.split()]).reshape(len(default.split()))

@@ -38,15 +38,10 @@ SPACE = "3-D view"  # as FIGURES
 
 
 class Picture(NamedTuple):
-    """draw(): beside the page; citation: None for that of the page's session."""
+    """figure: drawn, or what draws it beside the page; citation: None for that of the page's session."""
 
-    draw: Callable[[], Figure]
+    figure: Figure | Callable[[], Figure]
     citation: Citation | None = None
-
-    @classmethod
-    def of(cls, figure: Figure, citation: Citation | None = None) -> "Picture":
-        """That is drawn already."""
-        return cls(lambda: figure, citation)
 
 
 def save_replay(model: PageModel) -> None:
@@ -69,23 +64,21 @@ def save_picture(model: PageModel, now: float) -> None:
     if form == "PNG" and not can_render():
         raise ValueError(NO_PNG)
     citation = picture.citation or cite(session, model.snapshot.motion)
-    model.send_made("picture", partial(_saved, name, form, picture.draw, citation))
+    model.send_made("picture", partial(_saved, name, form, picture.figure, citation))
 
 
 def lacking() -> str:
     """Which pictures cannot be made here, and what they need; "" where all can."""
     render, typeset = can_render(), can_typeset()
-    if render and typeset:
-        return ""
     if typeset:
-        return NO_PNG
+        return "" if render else NO_PNG
     if render:
         return f"Equations need {TYPESETTER}: {INSTALL}; other pictures do not"
     return f"PNG needs {RENDERER}, Equations need {TYPESETTER}: {INSTALL}; other pictures, as SVG, need neither"
 
 
-def _saved(name: str, form: str, draw: Callable[[], Figure], citation: Citation) -> Saved:
-    picture = draw().captioned(citation, DRAWING_CSS)
+def _saved(name: str, form: str, figure: Figure | Callable[[], Figure], citation: Citation) -> Saved:
+    picture = (figure() if callable(figure) else figure).captioned(citation, DRAWING_CSS)
     return Saved(name, render(picture) if form == "PNG" else picture.encode())
 
 
@@ -94,27 +87,27 @@ def _images(model: PageModel) -> Picture:
     after = f"after {count_motions(moment.motion)}"
     if model.view.rectified:
         drawn = draw_rectified(moment, model.displayed.arms_in_images[0], True)
-        return Picture.of(stack([drawn], f"The pictures as seen and as rectified, {after}"))
-    return Picture.of(four_images(model.displayed.draw_images(print_size=True), f"The learner’s four pictures {after}"))
+        return Picture(stack([drawn], f"The pictures as seen and as rectified, {after}"))
+    return Picture(four_images(model.displayed.draw_images(print_size=True), f"The learner’s four pictures {after}"))
 
 
 def _landscape(model: PageModel) -> Picture:
     if model.comparison.html is not None:
-        return Picture.of(stack([model.comparison.html], "E over the poses of the learner, by all transfers"))
+        return Picture(stack([model.comparison.html], "E over the poses of the learner, by all transfers"))
     if model.landscape.made is None:
         raise ValueError("the landscape is not there yet")
     picture, session = model.landscape.made.picture, model.session
     path, over = picture.draw_path(session.history, session.cursor), f"over {count_motions(session.cursor)}"
-    if len(session.scene.moving_joints) != 2:
-        return Picture.of(overlay([picture.html, path], f"Joint error per pixel of noise, {over}"))
-    return Picture.of(overlay([picture.html, path], f"E over the poses of the learner, and its path {over}"))
+    is_map = len(session.scene.moving_joints) == 2
+    title = "E over the poses of the learner, and its path" if is_map else "Joint error per pixel of noise,"
+    return Picture(overlay([picture.html, path], f"{title} {over}"))
 
 
 def _curves(model: PageModel) -> Picture:
     session, made = model.session, model.landscape.made
     E_true, joints = None if made is None else made.E_true, session.scene.moving_joints
     drawn = draw_curves(session.history, session.cursor, E_true, joints, errors_deg=model.displayed.errors_deg)
-    return Picture.of(stack([drawn], f"Conflict E and joint angles over {count_motions(session.cursor)}"))
+    return Picture(stack([drawn], f"Conflict E and joint angles over {count_motions(session.cursor)}"))
 
 
 def _equations(model: PageModel) -> Picture:
@@ -135,7 +128,7 @@ def _duel(model: PageModel) -> Picture:
     figure = overlay([model.duel_landscapes.html, race], title)
     if len(scene.moving_joints) == 2:
         figure = append_below(figure, draw_errors_alone(standings))
-    return Picture.of(figure, cited)
+    return Picture(figure, cited)
 
 
 def _experiment(model: PageModel) -> Picture:
@@ -145,15 +138,11 @@ def _experiment(model: PageModel) -> Picture:
     figure, asked = stack([run.figure], EXPERIMENTS[run.name].title), run.request
     text = draw_claims([(one.name, one.paper, one.here, one.tolerance, one.holds) for one in run.claims])
     cited = cite_experiment(run.name, asked.settings, asked.options.get("motion"))
-    return Picture.of(append_below(figure, text), cited)
+    return Picture(append_below(figure, text), cited)
 
 
 FIGURES: Mapping[str, Callable[[PageModel], Picture]] = {
-    "Images": _images,
-    "Landscape": _landscape,
-    "Curves": _curves,
-    "Equations": _equations,
-    "Duel": _duel,
-    "Experiments": _experiment,
-}
+    "Images": _images, "Landscape": _landscape, "Curves": _curves,
+    "Equations": _equations, "Duel": _duel, "Experiments": _experiment,
+}  # fmt: skip
 PICTURES = *FIGURES, SPACE

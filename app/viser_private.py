@@ -68,12 +68,10 @@ class LoopEvent(asyncio.Event):
 
 
 def send_at_once(source: ViserServer | ClientHandle) -> None:
-    """Send each message without waiting for more, and wake the sender in the event loop's own thread alone.
-
-    viser waits 17 ms by a timer before and after each window; a page pushes all of a tick before anything can be sent.
-    viser's event is set in the pushing thread too, where now and then a push failed with "deque mutated during
-    iteration". Offer: `window_duration_sec` as an argument; `AsyncMessageBuffer.push` that sets its event in the loop.
-    """
+    """Send each message without waiting for more, and wake the sender in the event loop's own thread alone. viser waits
+    17 ms by a timer before and after each window; a page pushes all of a tick before anything can be sent. viser's
+    event is set in the pushing thread too, where now and then a push failed with "deque mutated during iteration".
+    Offer: `window_duration_sec` as an argument; `AsyncMessageBuffer.push` that sets its event in the loop."""
     pushes = source._websock_server if isinstance(source, ViserServer) else source._websock_connection
     buffer: Any = pushes.get_message_buffer()
     buffer.window_duration_sec, replaced, buffer.message_event = 0.0, buffer.message_event, LoopEvent(buffer)

@@ -18,12 +18,10 @@ VERBS = {  # by field: the word, and what is there
 
 @dataclass(frozen=True)
 class Ways:
-    """Where the verbs lead, as addresses that a page has as links; a verb without one is left out.
-
-    Give `lab_page`, `lesson_page` and `class_pages` what `of_site` returns for the folder of a site as that page sees
-    it ("" for the lab, "../" for lessons, "https://…/" for a file that is sent), or what `served` returns for the root
-    of the page's own server. The page that is shown needs no address of its own: see `header`.
-    """
+    """Where the verbs lead, as addresses that a page has as links; a verb without one is left out. Give `lab_page`,
+    `lesson_page` and `class_pages` what `of_site` returns for the folder of a site as that page sees it ("" for the
+    lab, "../" for lessons, "https://…/" for a file that is sent), or what `served` returns for the root of the page's
+    own server. The page that is shown needs no address of its own: see `header`."""
 
     play: str | None = None
     learn: str | None = None
@@ -45,11 +43,9 @@ class Ways:
 
 
 def header(ways: Ways, here: str, with_about: bool = True) -> str:
-    """Return the ways as HTML, the page's own verb without a link; "" where there is no other page.
-
-    here: the field of `Ways` for this page; with_about: whether to add a "?" that says who made this, for pages without
-    a help of their own.
-    """
+    """Return the ways as HTML, the page's own verb without a link; "" where there is no other page. here: the field of
+    `Ways` for this page; with_about: whether to add a "?" that says who made this, for pages without a help of their
+    own."""
     parts = []
     for verb, (word, what) in VERBS.items():
         address = getattr(ways, verb)

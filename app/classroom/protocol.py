@@ -106,18 +106,25 @@ class Login(Struct, tag="login", **FIELDS):
 # What a lecturer's browser sends besides
 
 
-class Logout(Struct, tag="logout", **FIELDS):
-    """The lecturer logs out in this browser."""
+class Do(Struct, tag="do", **FIELDS):
+    """One thing. logout: here; take: this page leads from now on, not another of the lecturer's; close: the question is
+    over, and students go on where they were; reset: all start their step again; export: all answers as CSV; gain: what
+    the class has learned, by the eight questions; new: the answers are deleted, and a new class begins."""
+
+    what: Literal["logout", "take", "close", "reset", "export", "gain", "new"]
+
+
+class Switch(Struct, tag="switch", **FIELDS):
+    """All follow the lecturer's screen, or no longer; their controls are locked; the truth is hidden on all screens."""
+
+    what: Literal["lead", "frozen", "hidden"]
+    on: bool
 
 
 class NewCode(Struct, tag="code", **FIELDS):
     """Another lecturer's code, which ends the sessions of all other browsers."""
 
     code: Annotated[str, Meta(min_length=8, max_length=MAX_CODE)]
-
-
-class TakeOver(Struct, tag="take", **FIELDS):
-    """This page leads from now on, not another of the lecturer's."""
 
 
 class Ask(Struct, tag="ask", **FIELDS):
@@ -137,16 +144,6 @@ class Reveal(Struct, tag="reveal", **FIELDS):
     near: Real | None = None
 
 
-class Close(Struct, tag="close", **FIELDS):
-    """The question is over, and students go on where they were."""
-
-
-class Lead(Struct, tag="lead", **FIELDS):
-    """All follow the lecturer's screen, or no longer."""
-
-    on: bool
-
-
 class State(Struct, tag="state", **FIELDS):
     """The lecturer's screen. once: for all, though nobody is led."""
 
@@ -162,34 +159,10 @@ class Gather(Struct, tag="gather", **FIELDS):
     seed: Count = 1
 
 
-class Freeze(Struct, tag="freeze", **FIELDS):
-    """Controls of all are locked, or no longer."""
-
-    on: bool
-
-
-class Hide(Struct, tag="hide", **FIELDS):
-    """The truth is hidden on all screens, or no longer."""
-
-    on: bool
-
-
-class Reset(Struct, tag="reset", **FIELDS):
-    """All start their step again."""
-
-
 class Request(Struct, tag="request", **FIELDS):
     """A copy of the screen of the person at that place of the class."""
 
     place: Count
-
-
-class Export(Struct, tag="export", **FIELDS):
-    """All answers as CSV."""
-
-
-class Gain(Struct, tag="gain", **FIELDS):
-    """What the class has learned, by the eight questions."""
 
 
 class Invite(Struct, tag="invite", **FIELDS):
@@ -198,15 +171,8 @@ class Invite(Struct, tag="invite", **FIELDS):
     address: Annotated[str, Meta(max_length=300)] = ""
 
 
-class NewClass(Struct, tag="new", **FIELDS):
-    """The answers are deleted, and a new class begins."""
-
-
 FromStudent = Hello | Self | At | Answer | Copy | Login
-FromLecturer = (
-    Logout | NewCode | TakeOver | Ask | Reveal | Close | Lead | State | Gather | Freeze | Hide | Reset | Request
-    | Export | Gain | Invite | NewClass
-)  # fmt: skip
+FromLecturer = Do | Switch | NewCode | Ask | Reveal | State | Gather | Request | Invite
 Message = FromStudent | FromLecturer
 ORDERS = FromLecturer.__args__
 _decoder = msgspec.json.Decoder(Message)

@@ -22,12 +22,9 @@ SEED = 1
 
 
 def as_csv(rows: Iterable[Row]) -> str:
-    """Return all answers as a table.
-
-    A person is a random number that stays the same over the class, or "unlinked". An answer to a choice is the place
-    of the chosen option in the lesson's file, from 1. Other answers are one or more numbers. `seconds` count from the
-    moment at which the question was shown.
-    """
+    """Return all answers as a table. A person is a random number that stays the same over the class, or "unlinked". An
+    answer to a choice is the place of the chosen option in the lesson's file, from 1. Other answers are one or more
+    numbers. `seconds` count from the moment at which the question was shown."""
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(COLUMNS)
@@ -72,11 +69,9 @@ class Learned(msgspec.Struct, frozen=True):
 
 
 def learned(rows: Iterable[Row]) -> Learned:
-    """Return the gain by the eight questions, of persons who answered the same one before and after.
-
-    It is (after - before) / (1 - before) of the class's shares (Hake, Am. J. Phys. 66, 1998), its interval the
-    percentile bootstrap over persons (Efron & Tibshirani 1993, section 13.3).
-    """
+    """Return the gain by the eight questions, of persons who answered the same one before and after. It is (after -
+    before) / (1 - before) of the class's shares (Hake, Am. J. Phys. 66, 1998), its interval the percentile bootstrap
+    over persons (Efron & Tibshirani 1993, section 13.3)."""
     right: dict[tuple[int, str], dict[str, bool]] = defaultdict(dict)
     for row in rows:
         if row.lesson == QUESTIONS and row.phase in ("before", "after") and row.person is not None:
@@ -95,14 +90,8 @@ def learned(rows: Iterable[Row]) -> Learned:
     gains = gains[np.isfinite(gains)]
     low, high = np.percentile(gains, INTERVAL_PERCENT) if len(gains) else (np.nan, np.nan)
     gain = _gain(sums.sum(0)[None])[0]
-    return Learned(
-        len(persons),
-        True,
-        _items(pairs),
-        float(before / total),
-        float(after / total),
-        *(float(value) if np.isfinite(value) else None for value in (gain, low, high)),
-    )
+    found = (float(value) if np.isfinite(value) else None for value in (gain, low, high))
+    return Learned(len(persons), True, _items(pairs), float(before / total), float(after / total), *found)
 
 
 def _items(pairs: dict[tuple[int, str], dict[str, bool]]) -> tuple[Item, ...]:

@@ -89,19 +89,10 @@ class Browser:
 
 
 class Room:
-    """A class, as its store has it.
+    """A class, as its store has it. code: the lecturer's, unless the lecturer has chosen another one, which is_new_code
+    forgets; asks: what its lessons ask."""
 
-    code: the lecturer's, unless the lecturer has chosen another one, which is_new_code forgets; asks: what its lessons
-    ask.
-    """
-
-    def __init__(
-        self,
-        store: Store,
-        code: str,
-        asks: Asks,
-        is_new_code: bool = False,
-    ):
+    def __init__(self, store: Store, code: str, asks: Asks, is_new_code: bool = False):
         self.store, self.asks = store, asks
         kept = store.kept
         self.address = ""  # what students type, if no lecturer's page knows better
@@ -110,7 +101,7 @@ class Room:
         if is_new_code:
             store.keep("code", None)
         self.has_own_code = kept.code is not None and not is_new_code
-        self._code = kept.code if kept.code is not None and not is_new_code else self._hash(code)
+        self._code = (kept.code if self.has_own_code else None) or self._hash(code)
         self._sessions: dict[str, None] = dict.fromkeys(kept.sessions)
         self._numbers = store.persons  # by key, of those who have linked answers
         self._places: dict[str, int] = {}  # by key, of all since the server began
@@ -138,9 +129,8 @@ class Room:
         self.browsers.discard(browser)
         self._leave_class(browser)
         if self.leader is browser:
-            self.leader = next((one for one in self.browsers if one.is_lecturer), None)
-            self._tell_leader()
-        if not any(one.is_lecturer for one in self.browsers) and self._absent_since is None:
+            self._lead(next(iter(self._lecturers()), None))
+        if not self._lecturers() and self._absent_since is None:
             self._absent_since = time.monotonic()
 
     def _leave_class(self, browser: Browser) -> None:
@@ -173,7 +163,7 @@ class Room:
         else:
             self._join_class(browser)
         browser.send(p.encode("welcome", lecturer=browser.is_lecturer))
-        browser.send(self._orders_text())
+        browser.send(msgspec.json.encode(self.orders).decode())
         if browser.is_lecturer:
             self._tell_everything(browser)
         elif self.orders.lead and self._screen is not None:
@@ -202,11 +192,11 @@ class Room:
     def _hash(self, text: str) -> str:
         return hmac.new(self._salt.encode(), text.strip().encode(), hashlib.sha256).hexdigest()
 
-    def _login(self, browser: Browser, login: p.Login) -> None:
+    def _login(self, browser: Browser, code: str) -> None:
         if not self._may_try(browser):
             browser.send(p.encode("wrong", why="Too many wrong codes. Wait a few seconds, then type it again."))
             return
-        if not hmac.compare_digest(self._hash(login.code), self._code):
+        if not hmac.compare_digest(self._hash(code), self._code):
             log.warning("a wrong lecturer's code from %s", browser.address)
             browser.send(p.encode("wrong", why="That is not the code of this class."))
             return
@@ -232,16 +222,11 @@ class Room:
             del self._sessions[oldest]
         self._keep_sessions()
         browser.session = session
-        self._absent_since, self.leader = None, browser
-        self._tell_leader()
+        self._absent_since = None
+        self._lead(browser)
 
     def _keep_sessions(self) -> None:
         self.store.keep("sessions", msgspec.json.encode(list(self._sessions)).decode())
-
-    def _logout(self, browser: Browser) -> None:
-        self._sessions.pop(browser.session or "", None)
-        self._keep_sessions()
-        self._become_student(browser)
 
     def _become_student(self, browser: Browser) -> None:
         browser.session = None
@@ -263,7 +248,8 @@ class Room:
     def _lecturers(self) -> list[Browser]:
         return [one for one in self.browsers if one.is_lecturer]
 
-    def _tell_leader(self) -> None:
+    def _lead(self, browser: Browser | None) -> None:
+        self.leader = browser
         for one in self._lecturers():
             one.send(p.encode("leader", here=one is self.leader))
 
@@ -280,8 +266,8 @@ class Room:
         self.orders = msgspec.structs.replace(self.orders, **changes)
         if not self.orders.lead:
             self._screen = None
-        self.store.keep("orders", msgspec.json.encode(self.orders).decode())
-        text = self._orders_text()
+        text = msgspec.json.encode(self.orders).decode()
+        self.store.keep("orders", text)
         for browser in self.browsers:
             browser.send(text)
 
@@ -291,19 +277,20 @@ class Room:
         self.store.keep("last order", str(self._last_order))
         return self._last_order
 
-    def _orders_text(self) -> str:
-        return msgspec.json.encode(self.orders).decode()
-
     @property
     def asked(self) -> Round | None:
         """The round of the question that is asked now."""
         asked = self.orders.asked
         return None if asked is None else next((one for one in self.rounds if one.number == asked.round), None)
 
+    def _here(self, asked: Round) -> dict[str, Person]:
+        """Who is here, by their names as voters."""
+        return {one.voter(asked.lesson, asked.step, asked.label): one for one in self.persons.values()}
+
     def _staying(self, asked: Round) -> dict[str, str]:
         """The network addresses of those who are here and no longer new, by their names as voters."""
-        stayed = [one for one in self.persons.values() if one.key in self._stayed]
-        return {one.voter(asked.lesson, asked.step, asked.label): next(iter(one.tabs)).place for one in stayed}
+        here = self._here(asked).items()
+        return {name: next(iter(one.tabs)).place for name, one in here if one.key in self._stayed}
 
     def _note_who_stays(self) -> None:
         now = time.monotonic()
@@ -318,8 +305,7 @@ class Room:
         """The voters that do not count now; none once the answers are revealed, as `_leave_out` has deleted theirs."""
         if self.orders.asked is None or self.orders.asked.revealed:
             return set()
-        here = {one.voter(asked.lesson, asked.step, asked.label) for one in self.persons.values()}
-        return asked.left_out(here, self._staying(asked))
+        return asked.left_out(self._here(asked), self._staying(asked))
 
     def _leave_out(self) -> int:
         """Delete the votes that do not count in a round that ends now, and return how many those are."""
@@ -381,11 +367,6 @@ class Room:
             lecturer.send(f'{{"kind":"copy","state":{bytes(copy.state).decode()}}}')
             self._requested = None
 
-    def _new_class(self) -> None:
-        self.store.clear()
-        self.rounds, self._numbers = [], {}
-        self._order(**RELEASED, gather=None, reset=self.orders.reset + 1)
-
     # Answers
 
     def _answer(self, browser: Browser, answer: p.Answer) -> None:
@@ -423,17 +404,13 @@ class Room:
 
     async def _saved(self, browser: Browser) -> list[Row]:
         """Return all answers that are on the disk, and tell the browser how many are not."""
-        rows = await self.store.saved()
+        await self.store.flush()
+        rows = await asyncio.to_thread(self.store.answers)
         if self.store.problem is not None:
             what = f"Number of answers missing here: {self.store.unsaved}, as {self.store.problem}"
             browser.send(p.encode("done", what=what))
         linked = set(self._numbers.values())  # the file does not know yet who withdrew while writes fail
         return [row if row.person in linked else row._replace(person=None) for row in rows]
-
-    def _set_self(self, person: Person, said: p.Self) -> None:
-        person.name = name_of(said.name)
-        self._tell_of(person)
-        self._link(person, said.linked)
 
     def _link(self, person: Person, linked: bool) -> None:
         """Let a person's answers be linked to each other, or no longer: then earlier ones are unlinked too."""
@@ -461,8 +438,10 @@ class Room:
         match message:
             case p.Hello():
                 self._hello(browser, message)
-            case p.Self() if person is not None:
-                self._set_self(person, message)
+            case p.Self(name, linked) if person is not None:
+                person.name = name_of(name)
+                self._tell_of(person)
+                self._link(person, linked)
             case p.At() if person is not None:
                 person.at = message
                 self._tell_of(person)
@@ -470,44 +449,43 @@ class Room:
                 self._answer(browser, message)
             case p.Copy():
                 self._copy(browser, message)
-            case p.Login():
-                self._login(browser, message)
-            case p.Logout():
-                self._logout(browser)
+            case p.Login(code):
+                self._login(browser, code)
             case p.NewCode(code):
                 self._change_code(browser, code)
-            case p.TakeOver():
-                self.leader = browser
-                self._tell_leader()
             case p.State():
                 self._show(browser, message)
             case p.Ask():
                 self._ask(message)
             case p.Reveal(truth, near):
                 self._reveal(truth, near)
-            case p.Close():
-                self._order(asked=None)
-            case p.Lead(on):
-                self._order(lead=on)
+            case p.Switch(what, on):
+                self._order(**{what: on})
             case p.Gather(lesson, step, seed):
                 self._order(gather=p.Place(self._new_order(), lesson, step, seed), lead=False, asked=None)
-            case p.Freeze(on):
-                self._order(frozen=on)
-            case p.Hide(on):
-                self._order(hidden=on)
-            case p.Reset():
-                self._order(reset=self.orders.reset + 1)
             case p.Request(place):
                 self._request(browser, place)
             case p.Invite(address):
                 address = address or self.address
                 browser.send(p.encode("invite", address=address, qr=_qr_code(address)))
-            case p.Export():
+            case p.Do("export"):
                 browser.send(p.encode("csv", text=await asyncio.to_thread(as_csv, await self._saved(browser))))
-            case p.Gain():
+            case p.Do("gain"):
                 browser.send(p.encode("gain", learned=await asyncio.to_thread(learned, await self._saved(browser))))
-            case p.NewClass():
-                self._new_class()
+            case p.Do("close"):
+                self._order(asked=None)
+            case p.Do("reset"):
+                self._order(reset=self.orders.reset + 1)
+            case p.Do("logout"):
+                self._sessions.pop(browser.session or "", None)
+                self._keep_sessions()
+                self._become_student(browser)
+            case p.Do("take"):
+                self._lead(browser)
+            case p.Do("new"):
+                self.store.clear()
+                self.rounds, self._numbers = [], {}
+                self._order(**RELEASED, gather=None, reset=self.orders.reset + 1)
 
     # What goes on by itself
 
@@ -519,20 +497,17 @@ class Room:
                 log.info("no lecturer is here: students are released")
                 self._order(**RELEASED)
         self._note_who_stays()
-        lecturers = self._lecturers()
+        news = []
         if self._changed or self._gone:
             people = [_described(one) for one in self._changed]
-            text = p.encode("people", people=people, gone=sorted(self._gone))
+            news.append(p.encode("people", people=people, gone=sorted(self._gone)))
             self._changed, self._gone = set(), set()
-            for one in lecturers:
-                one.send(text)
-        if self.store.problem != self._problem:
-            self._problem, self._counted = self.store.problem, False
-        if not self._counted:
-            self._counted = True
-            text = self._count_text()
-            for one in lecturers:
-                one.send(text)
+        if not self._counted or self.store.problem != self._problem:
+            self._counted, self._problem = True, self.store.problem
+            news.append(self._count_text())
+        for lecturer in self._lecturers():
+            for text in news:
+                lecturer.send(text)
 
     def _count_text(self) -> str:
         """The question that is asked, and its answers so far, for lecturers alone."""

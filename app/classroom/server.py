@@ -47,10 +47,7 @@ log = logging.getLogger(__name__)
 
 class Page:
     """A page in one file, with the headers that go with it. Its own content policy is replaced by one with the same
-    scripts.
-
-    embed: origins whose pages may show it in a frame.
-    """
+    scripts. embed: origins whose pages may show it in a frame."""
 
     def __init__(self, html: str, embed: Sequence[str] = ()):
         policy = META_POLICY.search(html)
@@ -92,11 +89,9 @@ def class_pages(lessons: Mapping[str, Lesson], embed: Sequence[str]) -> dict[str
 
 
 class ClassServer:
-    """Serves pages, by path, and the websockets of a room.
-
-    origins: by which browsers know it besides its addresses and this machine's names; trusted: addresses of proxies
-    whose X-Forwarded-For is believed, separated by commas; * for all.
-    """
+    """Serves pages, by path, and the websockets of a room. origins: by which browsers know it besides its addresses and
+    this machine's names; trusted: addresses of proxies whose X-Forwarded-For is believed, separated by commas; * for
+    all."""
 
     def __init__(self, room: Room, pages: Mapping[str, Page], origins: Sequence[str] = (), trusted: str = ""):
         self._room, self._pages, self._origins, self._trusted = room, pages, origins, trusted
@@ -144,9 +139,16 @@ class ClassServer:
 
     def _address_of(self, connection: ServerConnection) -> str:
         """Where a browser is: of proxies that are trusted, what they say of it."""
-        peer = connection.remote_address
-        forwarded = ",".join(connection.request.headers.get_all("X-Forwarded-For")) if connection.request else ""
-        return client_address(peer[0] if peer else "", forwarded, self._trusted)
+        peer, request, proxies = (
+            connection.remote_address,
+            connection.request,
+            self._trusted.replace(" ", "").split(","),
+        )
+        forwarded = "" if request is None else ",".join(request.headers.get_all("X-Forwarded-For"))
+        chain = [*filter(None, forwarded.replace(" ", "").split(",")), peer[0] if peer else ""]
+        while len(chain) > 1 and ("*" in proxies or _is_in(chain[-1], proxies)):
+            chain.pop()
+        return chain[-1]
 
     async def _serve(self, connection: ServerConnection) -> None:
         """One websocket, from its handshake to its end."""
@@ -190,17 +192,6 @@ async def _send_all(connection: ServerConnection, browser: Browser, something: a
             screen, browser.screen = browser.screen, None
             if screen is not None:
                 await connection.send(screen)
-
-
-def client_address(peer: str, forwarded: str, trusted: str) -> str:
-    """Return a client's address: the peer's, or the last one of X-Forwarded-For that no trusted proxy has.
-
-    forwarded: that header; trusted: addresses or networks of proxies, separated by commas; * for any.
-    """
-    proxies, chain = trusted.replace(" ", "").split(","), [*filter(None, forwarded.replace(" ", "").split(",")), peer]
-    while len(chain) > 1 and ("*" in proxies or _is_in(chain[-1], proxies)):
-        chain.pop()
-    return chain[-1]
 
 
 def _is_in(address: str, networks: Sequence[str]) -> bool:

@@ -65,12 +65,9 @@ class Row(NamedTuple):
 
 
 class Store:
-    """Reads at once, writes in batches in a thread of its own.
-
-    kept: the lecturer's settings by key, as the file had them; persons: numbers by key; rounds: all with their votes,
-    in the order in which they were asked. Raises OSError if the file cannot be opened, or is none of a class; then it
-    is not changed.
-    """
+    """Reads at once, writes in batches in a thread of its own. kept: the lecturer's settings by key, as the file had
+    them; persons: numbers by key; rounds: all with their votes, in the order in which they were asked. Raises OSError
+    if the file cannot be opened, or is none of a class; then it is not changed."""
 
     def __init__(self, path: Path):
         self.problem: str | None = None  # why the last write failed
@@ -91,7 +88,10 @@ class Store:
             self._file.create_function("unlinked", 4, unlinked, deterministic=True)
             persons = dict(self._file.execute("select key, number from persons"))
             self.persons = msgspec.convert(persons, dict[str, int])
-            self.kept, self.rounds = self._kept(), self._rounds()
+            kept = dict(self._file.execute("select key, value from kept"))
+            for name in {"sessions", "orders"} & kept.keys():
+                kept[name] = msgspec.json.decode(kept[name])
+            self.kept, self.rounds = msgspec.convert(kept, Kept, strict=False), self._rounds()
 
     def _open(self) -> sqlite3.Connection:
         return sqlite3.connect(str(self.path), timeout=LOCKED_S, check_same_thread=False, isolation_level="IMMEDIATE")
@@ -117,12 +117,6 @@ class Store:
             raise ValueError(f"it has the tables {', '.join(found)} of another program")
 
     # Reading
-
-    def _kept(self) -> Kept:
-        found = dict(self._file.execute("select key, value from kept"))
-        for name in {"sessions", "orders"} & found.keys():
-            found[name] = msgspec.json.decode(found[name])
-        return msgspec.convert(found, Kept, strict=False)
 
     def _rounds(self) -> list[Round]:
         rows = self._file.execute("select * from rounds order by number").fetchall()
@@ -156,21 +150,17 @@ class Store:
             self._add("insert or replace into kept values (?, ?)", (key, value))
 
     def add_person(self, key: str, number: int) -> None:
-        """Write a person's number."""
         self._add("insert or replace into persons values (?, ?)", (key, number))
 
     def add_round(self, asked: Round) -> None:
-        """Write that a question was asked."""
         row = asked.number, asked.lesson, asked.step, asked.phase, asked.times
         self._add("insert or replace into rounds values (?, ?, ?, ?, ?)", row)
 
     def add_answer(self, row: Row, done: Callable[[], None]) -> None:
         """Write an answer over the voter's earlier one, and call `done` once it is on the disk."""
-        vote = row.vote
-        answer = msgspec.json.encode(vote.answer).decode()
-        values = *row[:6], answer, vote.right, vote.sure, vote.seconds, vote.place
+        vote, answer = row.vote, msgspec.json.encode(row.vote.answer).decode()
         self._done.append(done)
-        self._add(ADD_ANSWER, values)
+        self._add(ADD_ANSWER, (*row[:6], answer, vote.right, vote.sure, vote.seconds, vote.place))
 
     def drop_answers(self, round: int, voters: Iterable[str]) -> None:
         """Delete these voters' answers of a round."""
@@ -184,8 +174,10 @@ class Store:
 
     def unlink(self, person: str, token: str) -> None:
         """Let none of a person's answers tell whose it is, nor which others are the same person's."""
-        change = "update answers set voter = unlinked(?, lesson, step, phase), person = null where voter = ?"
-        self._add(change, (token, person))
+        self._add(
+            "update answers set voter = unlinked(?, lesson, step, phase), person = null where voter = ?",
+            (token, person),
+        )
         self._add("delete from persons where key = ?", (person,))
 
     def clear(self) -> None:
@@ -228,11 +220,6 @@ class Store:
             self._tried.append(tried.set)
             self._wake.set()
             await tried.wait()
-
-    async def saved(self) -> list[Row]:
-        """Return all answers that are written, after those that wait, unless writes fail."""
-        await self.flush()
-        return await asyncio.to_thread(self.answers)
 
     @property
     def unsaved(self) -> int:

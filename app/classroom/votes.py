@@ -41,10 +41,8 @@ class Round:
 
     def left_out(self, here: Container[str], staying: Mapping[str, str]) -> set[str]:
         """Return the voters that do not count: they have left at once, or more have left than were here at a time.
-
         here: the voters who are here, all of whom count; staying: the network address of each who has been here for a
-        while and still is.
-        """
+        while and still is."""
         room = self.most - Counter(staying.values())
         left_out = set()
         for voter, vote in self.votes.items():

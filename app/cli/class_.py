@@ -15,6 +15,8 @@ import platformdirs
 from viewimit.options import DONE, MISSED, BadInput, add_address, naming
 from viewimit.sensing.files import escape
 
+from . import add_repeated
+
 CODE = "VIEWIMIT_LECTURER"  # environment variable: the lecturer's code, instead of a random one
 LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"  # without those that look alike
 LETTERS_OF_A_CODE = 8
@@ -24,42 +26,20 @@ CONTINUED_S = 6 * 3600  # a file without a name of its own is continued if its c
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_address(parser)
-    parser.add_argument(
-        "--lesson",
-        action="append",
-        default=[],
-        metavar="NAME|FILE",
-        help="a lesson of the class: a shipped one by its name, or a .toml file of your own; more than once for more "
-        "(all shipped ones)",
+    which = "a lesson of the class: a shipped one by its name, or a .toml file of your own (all shipped ones)"
+    add_repeated(parser, "--lesson", "NAME|FILE", which)
+    kept = (
+        "SQLite file that keeps the answers over a restart (one for each port, in the user's own data folder; a file of"
+        " more than six hours ago is set aside)"
     )
-    parser.add_argument(
-        "--data",
-        type=Path,
-        metavar="FILE",
-        help="SQLite file that keeps the answers over a restart (one for each port, in the user's own data folder; a "
-        "file of more than six hours ago is set aside)",
-    )
+    parser.add_argument("--data", type=Path, metavar="FILE", help=kept)
     parser.add_argument("--new-code", action="store_true", help="forget a lecturer's code that was chosen on the page")
-    parser.add_argument(
-        "--embed",
-        action="append",
-        default=[],
-        metavar="ORIGIN",
-        help="a site whose pages may show the class in a frame, such as https://moodle.example.org; more than once for "
-        "more",
-    )
-    parser.add_argument(
-        "--address",
-        metavar="URL",
-        help="what students type, behind a proxy or under a name: printed, in the QR code, and accepted as the page's "
-        "origin",
-    )
-    parser.add_argument(
-        "--trust-proxy",
-        default="",
-        metavar="ADDRESS",
-        help="proxies, separated by commas, whose X-Forwarded-For is believed; * for any (none)",
-    )
+    framing = "a site whose pages may show the class in a frame, such as https://moodle.example.org"
+    add_repeated(parser, "--embed", "ORIGIN", framing)
+    typed = "what students type, behind a proxy or under a name: printed, in the QR code, and accepted as an origin"
+    parser.add_argument("--address", metavar="URL", help=typed)
+    believed = "proxies, separated by commas, whose X-Forwarded-For is believed; * for any (none)"
+    parser.add_argument("--trust-proxy", default="", metavar="ADDRESS", help=believed)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -70,16 +50,13 @@ def run(args: argparse.Namespace) -> int:
     from ..lab.lessons.source import find, shipped
     from ..server.address import listen, require_free, require_origin
 
-    with naming("--embed"):
-        for origin in args.embed:
-            require_origin(origin)
-    with naming("--address"):
-        origins = () if args.address is None else (_origin(args.address),)
-        for origin in origins:
-            require_origin(origin)
+    origins = () if args.address is None else (_origin(args.address),)
+    for option, given in (("--embed", args.embed), ("--address", origins)):
+        with naming(option):
+            for origin in given:
+                require_origin(origin)
     with naming("--lesson"):
         lessons = dict(map(find, args.lesson)) if args.lesson else shipped()
-        pages = class_pages(lessons, args.embed)
     with naming("--data"):
         path = args.data or _usual_file(args.port)
         store = Store(path)
@@ -102,6 +79,8 @@ def run(args: argparse.Namespace) -> int:
     _say_code(room.has_own_code, code)
     print(f"answers are kept in {path}" + (f"; it has {len(found)} already" if (found := store.answers()) else ""))
     sys.stdout.flush()
+    with naming("--lesson"):
+        pages = class_pages(lessons, args.embed)  # which takes a second; who comes meanwhile waits
     asyncio.run(ClassServer(room, pages, origins, args.trust_proxy).run(listeners))
     return DONE
 

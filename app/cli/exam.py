@@ -10,15 +10,10 @@ SUFFIXES = {"gift": (".gift", ".txt"), "qti": (".zip",)}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--format",
-        choices=list(SUFFIXES),
-        default="gift",
-        help="gift: a text that Moodle imports; qti: a package of IMS QTI 2.1 items (gift)",
-    )
-    parser.add_argument(
-        "--out", type=Path, metavar="FILE", help="write it there (viewimit-items.gift, viewimit-items.zip)"
-    )
+    kinds = "gift: a text that Moodle imports; qti: a package of IMS QTI 2.1 items (gift)"
+    parser.add_argument("--format", choices=list(SUFFIXES), default="gift", help=kinds)
+    where = "write it there (viewimit-items.gift, viewimit-items.zip)"
+    parser.add_argument("--out", type=Path, metavar="FILE", help=where)
 
 
 def run(args: argparse.Namespace) -> int:

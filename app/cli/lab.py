@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 from viewimit.options import DONE, BadInput, add_chain_options, choose_bodies, naming
 
+from . import add_repeated
+
 if TYPE_CHECKING:
     from ..ways import Ways
 
@@ -20,17 +22,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--robot", metavar="NAME", help="a name, a .urdf or a .toml file; replaces the robot of --scene"
     )
     add_chain_options(parser)
-    parser.add_argument(
-        "--lesson",
-        metavar="NAME",
-        action="append",
-        default=[],
-        help="a page of lessons instead: a name (ray, tour, limits, jacobian, motion, sign) or the path of a "
-        ".toml file; more than once for more",
-    )
-    parser.add_argument(
-        "--site", metavar="URL", help="the address of a site that `viewimit site` has written, to which the page links"
-    )
+    which = "a page of lessons instead: a name (ray, tour, limits, jacobian, motion, sign) or the path of a .toml file"
+    add_repeated(parser, "--lesson", "NAME", which)
+    linked = "the address of a site that `viewimit site` has written, to which the page links"
+    parser.add_argument("--site", metavar="URL", help=linked)
     parser.add_argument("--out", type=Path, metavar="FILE", default=Path("lab.html"), help="write it there (lab.html)")
 
 
@@ -39,10 +34,7 @@ def run(args: argparse.Namespace) -> int:
         raise BadInput(f"--out: {args.out} must end in .html")
     if args.site is not None and not re.match(r"https?://", args.site):
         raise BadInput(f"--site: {args.site} must begin with https:// or http://")
-    if args.lesson:
-        page = _lessons(args).encode()
-    else:
-        page = _lab(args).encode()
+    page = (_lessons if args.lesson else _lab)(args).encode()
     with naming("--out"):
         args.out.write_bytes(page)
     print(f"written to {args.out}, {len(page) / MB:.2f} MB: open it in a browser", file=sys.stderr)

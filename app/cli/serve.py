@@ -5,6 +5,8 @@ from pathlib import Path
 
 from viewimit.options import ARM, DONE, SCENE, SIGHT, add_address, add_settings, between, naming, settings_from
 
+from . import add_repeated
+
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_address(parser)
@@ -16,21 +18,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="tabs at a time from one address (all but a tenth of --max-clients, so that a class behind one router has "
         "room; less where every machine has an address of its own; behind a proxy elsewhere, as --max-clients)",
     )
-    parser.add_argument(
-        "--origin",
-        action="append",
-        default=[],
-        metavar="URL",
-        help="a page elsewhere that may connect, such as https://class.example.org of a proxy; more than once for more",
-    )
-    parser.add_argument(
-        "--lesson",
-        action="append",
-        default=[],
-        type=Path,
-        metavar="FILE",
-        help="a lesson of your own, offered instead of the tour; more than once for more (docs/teach/lesson-format.md)",
-    )
+    elsewhere = "a page elsewhere that may connect, such as https://class.example.org of a proxy"
+    add_repeated(parser, "--origin", "URL", elsewhere)
+    own = "a lesson of your own, offered instead of the tour (docs/teach/lesson-format.md)"
+    add_repeated(parser, "--lesson", "FILE", own, type=Path)
     parser.add_argument("--open", action="store_true", help="open the page in the default browser")
     add_settings(parser, *SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, *ARM, "servo")
 

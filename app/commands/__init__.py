@@ -1,6 +1,6 @@
-"""What a visitor can do: one decorated function a command, called by its name from keys, buttons, sliders and links."""
+"""What a visitor can do: one function a command, called by its name from keys, buttons, sliders and links."""
 
+from ..model.queue import COMMANDS, command
 from . import display, method, session, tools
-from .registry import COMMANDS
 
-__all__ = ["COMMANDS", "display", "method", "session", "tools"]
+__all__ = ["COMMANDS", "command", "display", "method", "session", "tools"]

@@ -4,10 +4,10 @@ from typing import Annotated
 
 from ..model.choices import FLAGS, LARGE, NO_POINT, SWITCHED
 from ..model.page_model import PageModel
-from ..model.queue import number, one_of
-from .registry import command
+from ..model.queue import add, command, number, one_of
 
 CLIENT_REPORTED = {"dark": "prefers_dark", "truth": "truth", "flat": "flat"}  # fields of View, by link
+ENLARGED = one_of({str(k): what for k, what in enumerate(LARGE)}, "there is no panel or picture {value}")
 NO_FLAG = "{value} is neither 0 nor 1"
 
 
@@ -41,10 +41,9 @@ def switch(model: PageModel, name: Annotated[str, one_of(SWITCHED, "there is no 
 
 
 def _report(link: str, field: str) -> None:
-    @command(link, latest=True, order_independent=True, link=True)
-    def report(model: PageModel, on: Annotated[bool, one_of(FLAGS, NO_FLAG)]) -> None:
-        """Take what a browser says of itself, see `View`."""
-        model.show(**{field: on})
+    """Take what a browser says of itself, see `View`."""
+    report = lambda model, on: model.show(**{field: on})
+    add(link, report, one_of(FLAGS, NO_FLAG), latest=True, order_independent=True, link=True)
 
 
 for _link, _field in CLIENT_REPORTED.items():
@@ -63,10 +62,15 @@ def hide_tabs(model: PageModel, tabs: str) -> None:
     model.show(unseen=frozenset() if tabs == "none" else frozenset(tabs.split(",")))
 
 
-@command("goal", order_independent=True)
-def toggle_goal(model: PageModel) -> None:
-    """Draw the learner in L and R as it would look in the demonstrator's posture, or do so no longer."""
-    model.show(goal=not model.view.goal)
+def _toggle(name: str, field: str, **options: bool) -> None:
+    """Add a command that turns a switch of `View` over."""
+    add(name, lambda model: model.show(**{field: not getattr(model.view, field)}), order_independent=True, **options)
+
+
+_toggle("goal", "goal")
+_toggle("share", "share", link=True)
+_toggle("help", "help", link=True)
+add("fit_view", lambda model: model.show(fits=model.view.fits + 1), order_independent=True)
 
 
 @command("construction", order_independent=True, link=True)
@@ -81,12 +85,7 @@ def build_up(model: PageModel, *, now: float) -> None:
 
 
 @command("large", order_independent=True, link=True)
-def enlarge(
-    model: PageModel,
-    what: Annotated[
-        str, one_of({str(k): what for k, what in enumerate(LARGE)}, "there is no panel or picture {value}")
-    ],
-) -> None:
+def enlarge(model: PageModel, what: Annotated[str, ENLARGED]) -> None:
     """Enlarge a panel or an image, by its index in LARGE; the one that is large already: all as before."""
     model.show(large=None if model.view.large == what else what)
 
@@ -109,22 +108,6 @@ def dismiss(model: PageModel) -> None:
         model.display.playback.stop()
         model.display.preview.let_go()
         model.show(large=None)
-
-
-@command("fit_view", order_independent=True)
-def fit_view(model: PageModel) -> None:
-    model.show(fits=model.view.fits + 1)
-
-
-@command("share", order_independent=True, link=True)
-def toggle_share(model: PageModel) -> None:
-    """Open or close the card with a link to what the page shows, and with the code that repeats it."""
-    model.show(share=not model.view.share)
-
-
-@command("help", order_independent=True, link=True)
-def toggle_help(model: PageModel) -> None:
-    model.show(help=not model.view.help)
 
 
 @command("starts")

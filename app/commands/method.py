@@ -1,60 +1,44 @@
 """Commands that change settings: method, joints that move, disturbances, what the learner observes with."""
 
-from typing import Annotated
+from collections.abc import Callable
+from typing import Any
 
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.servo import SERVOS
 
 from ..model.choices import AMOUNTS, joint_choices, layout_choices
 from ..model.page_model import PageModel
-from ..model.queue import choice, named, one_of
-from .registry import command
+from ..model.queue import add, command, number, one_of, switch, whole
 
-Transfer = Annotated[str, lambda value: named(value, TRANSFERS, "there is no transfer {value}")]
-Servo = Annotated[str, lambda value: named(value, SERVOS, "there is no servo {value}")]
-
-
-@command("transfer", latest=True, moves=True)
-def change_transfer(model: PageModel, name: Transfer) -> None:
-    model.undoable.change(transfer=name)
+TRANSFER, SERVO = (
+    one_of({entry.title: name for name, entry in entries.items()}, f"there is no {what} {{value}}")
+    for what, entries in (("transfer", TRANSFERS), ("servo", SERVOS))
+)
+DISTURBANCE = one_of(AMOUNTS.keys(), "there is no disturbance {value}")
 
 
-@command("servo", latest=True, moves=True)
-def change_servo(model: PageModel, name: Servo) -> None:
-    model.undoable.change(servo=name)
+def _setting(name: str, fields: Callable[..., dict[str, Any]], *parsers: Callable, **options: Any) -> None:
+    """Add a command that changes settings: those that fields(*values) returns."""
+    change = lambda model, *values: model.undoable.change(**fields(*values))
+    add(name, change, *parsers, latest=True, moves=True, **options)
 
 
-@command("disturbance", latest=True, moves=True)
-def change_disturbance(
-    model: PageModel,
-    name: Annotated[str, one_of(AMOUNTS.keys(), "there is no disturbance {value}")],
-    value: float,
-) -> None:
-    """Change a disturbance. value: in the units of its slider."""
-    model.undoable.change(**{name: AMOUNTS[name].asked(value)})
-
-
-@command("seed", latest=True, moves=True)
-def change_seed(model: PageModel, seed: int) -> None:
-    model.undoable.change(seed=seed)
-
-
-@command("rectify", latest=True, moves=True)
-def switch_rectify(model: PageModel, on: bool) -> None:
-    model.undoable.change(rectify="auto" if on else "off")
-
-
-@command("camera", latest=True, moves=True, camera=lambda model, on: on)
-def switch_camera(model: PageModel, on: bool) -> None:
-    """Observe with camera images, or by projected points."""
-    model.undoable.change(sensor="rendered" if on else "projected")
+_setting("transfer", lambda name: {"transfer": name}, TRANSFER)
+_setting("servo", lambda name: {"servo": name}, SERVO)
+_setting("disturbance", lambda name, value: {name: AMOUNTS[name].asked(value)}, DISTURBANCE, number)
+_setting("seed", lambda seed: {"seed": seed}, whole)
+_setting("rectify", lambda on: {"rectify": "auto" if on else "off"}, switch)
+_setting("camera", lambda on: {"sensor": "rendered" if on else "projected"}, switch, camera=lambda model, on: on)
+add("duel", lambda model: model.duel.toggle(), moves=True)
+add("opponent_transfer", lambda model, name: model.duel.choose(transfer=name), TRANSFER, latest=True, moves=True)
+add("opponent_servo", lambda model, name: model.duel.choose(servo=name), SERVO, latest=True, moves=True)
 
 
 @command("joints", latest=True, moves=True)
 def free_joints(model: PageModel, name: str) -> None:
     """Let other joints move, by the name of the choice; which there are depends on the scene."""
     settings = model.session.settings
-    joints = choice(name, joint_choices(settings), "there is no choice of joints {value}")
+    joints = one_of(joint_choices(settings), "there is no choice of joints {value}")(name)
     if joints != settings.joints:  # what the page has now may be meant by it
         model.undoable.change(**model.freedom.fields(settings, model.session.scene, joints))
 
@@ -62,21 +46,6 @@ def free_joints(model: PageModel, name: str) -> None:
 @command("points", latest=True, moves=True)
 def choose_layout(model: PageModel, name: str) -> None:
     """Choose a layout of body points by its name; which there are depends on the scene."""
-    fields = choice(name, layout_choices(model.session.settings), "there is no layout {value}")
+    fields = one_of(layout_choices(model.session.settings), "there is no layout {value}")(name)
     if fields:
         model.undoable.change(**fields)
-
-
-@command("duel", moves=True)
-def toggle_duel(model: PageModel) -> None:
-    model.duel.toggle()
-
-
-@command("opponent_transfer", latest=True, moves=True)
-def choose_opponent_transfer(model: PageModel, name: Transfer) -> None:
-    model.duel.choose(transfer=name)
-
-
-@command("opponent_servo", latest=True, moves=True)
-def choose_opponent_servo(model: PageModel, name: Servo) -> None:
-    model.duel.choose(servo=name)

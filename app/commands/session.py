@@ -1,25 +1,28 @@
 """Commands to the session: play, step, undo, pose the demonstrator, begin with a preset, follow a link."""
 
+from contextlib import nullcontext
+from dataclasses import replace
 from functools import partial
 from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from viewimit.drawing.export.panels import largest_residual
 from viewimit.drawing.glossary import glossary
 from viewimit.drawing.svg import count_motions, count_points, escape
 from viewimit.loop.settings import given
 from viewimit.simulation.world import pose_for_hand
 
-from ..model.choices import SPEEDS, Preset, modified
+from ..model.choices import SPEEDS, Preset, modified, usual
 from ..model.editing import Rehearsal
-from ..model.keeping import become
-from ..model.link import read_link
+from ..model.link import Played, read_link
 from ..model.page_model import PageModel
-from ..model.queue import choice, number, one_of
-from .registry import command
+from ..model.queue import command, number, one_of
 
-MESSAGE_S = 6.0  # s that a message stays
+MESSAGE_S, WARNING_S = 6.0, 30.0  # s that a message stays
+FROM_LINK = "From a link"
+BODIES = ("scene", "robot", "joints", "body_points")  # settings of which a preset's sentence speaks
 Word = Annotated[str, one_of(lambda: glossary().keys(), "the glossary has no entry {value}")]
 Angles = Annotated[tuple[float, ...], lambda value: tuple(map(number, value.split(",")))]  # degrees, "25,-45"
 Position = Annotated[NDArray, lambda value: np.array(value, float)]  # (3,) m in the world
@@ -97,16 +100,12 @@ def choose_speed(
     model.player.speed = motions_per_second
 
 
-def _preset_needs_camera(model: PageModel, name: str) -> bool:
-    return name in model.presets.offered and model.presets.offered[name].settings.sensor == "rendered"
-
-
-@command("preset", latest=True, moves=True, camera=_preset_needs_camera)
+@command("preset", latest=True, moves=True, camera=lambda model, name: name in model.presets.pictured)
 def choose_preset(model: PageModel, name: str) -> None:
     """Begin with a preset of the page's list."""
     if name != modified(model.preset.name):  # which it is already
         offered = {**model.presets.offered, model.preset.name: model.preset}
-        model.undoable.begin_preset(choice(name, offered, "there is no preset {value}"))
+        model.undoable.begin_preset(one_of(offered, "there is no preset {value}")(name))
 
 
 @command("pose_joint", latest=True, moves=True)
@@ -194,3 +193,44 @@ def tell_unsaved(
 ) -> None:
     """Take whether the browser's storage cannot keep the session, as it is full or forbidden."""
     model.unsaved = unsaved
+
+
+def become(model: PageModel, played: Played, now: float) -> None:
+    """Make a page what was played. Undo goes back to the page before a link. Raises ValueError, and changes nothing, if
+    it could not be played."""
+    page = played.page
+    if played.error is not None or not played.sessions:
+        why = str(played.error) or type(played.error).__name__
+        if not played.is_own:
+            raise ValueError(f"the link cannot be followed: {why}")
+        try:  # without its steps, and without camera images, which may be in use by others
+            model.undoable.begin_like(page.last_settings)
+        except ValueError:
+            raise ValueError(f"what this tab has kept cannot be restored, so the session begins again: {why}") from None
+        model.undoable.after_restart()
+        model.say(f"Only the settings of this tab's session are back: {why}.", now + WARNING_S)
+        return
+    model.player.pause()
+    with nullcontext() if played.is_own else model.past.recording_undo(whole=True):
+        first = played.sessions[0]
+        model.session.resume(tuple(first.history), first.cursor, first.log)
+    if played.is_own:
+        model.past.clear()
+    begun = page.script.settings
+    same = next((one for one in (page.preset, *model.presets.offered.values()) if usual(one) == begun), None)
+    model.presets.chosen = same or page.preset
+    if same is None and any(getattr(begun, name) != getattr(usual(page.preset), name) for name in BODIES):
+        model.presets.chosen = Preset(FROM_LINK, begun, page.speed, "As it was sent.")
+    model.player.speed = page.speed
+    model.tour_offered = model.tour_offered and page.offers_tour
+    dark = model.view.dark if page.dark is None else page.dark
+    chosen = largest_residual(model.session.snapshot) if page.chosen == -1 else page.chosen
+    model.view = replace(model.view, chosen=chosen, dark=dark, **page.show)
+    model.undoable.after_restart()
+    for opponent in played.sessions[1:]:
+        model.duel.resume(opponent)
+    if page.motion is not None:
+        try:
+            model.motions.load(page.motion)
+        except ValueError as error:
+            model.say(f"The recorded motion is not back: {error}.", now + WARNING_S)

@@ -4,32 +4,36 @@ from typing import Annotated
 
 from viewimit.experiments import EXPERIMENTS
 
-from ..model import pictures
 from ..model.motions import MOST_BYTES, NAMES
 from ..model.page_model import PageModel
-from ..model.pictures import FORMATS, PICTURES
-from ..model.queue import named, one_of
-from .registry import command
+from ..model.pictures import FORMATS, PICTURES, save_picture, save_replay
+from ..model.queue import add, command, number, one_of
 from .session import MESSAGE_S
 
+EXPERIMENT = one_of({one.title: name for name, one in EXPERIMENTS.items()}, "there is no experiment {value}")
+MOTION = one_of({title: name for name, title in NAMES.items()}, "there is no motion {value}")
 
-@command("experiment", latest=True)
-def choose_experiment(
-    model: PageModel, name: Annotated[str, lambda value: named(value, EXPERIMENTS, "there is no experiment {value}")]
-) -> None:
-    model.experiments.chosen = name
-
-
-@command("run")
-def run_or_cancel(model: PageModel) -> None:
-    """Run the chosen experiment, or cancel the one that goes on."""
-    model.experiments.run_or_cancel()
-
-
-@command("download")
-def download(model: PageModel) -> None:
-    """Send the visitor the figure and the data of the chosen experiment."""
-    model.experiments.download()
+add("experiment", lambda model, name: setattr(model.experiments, "chosen", name), EXPERIMENT, latest=True)
+add("run", lambda model: model.experiments.run_or_cancel())
+add("download", lambda model: model.experiments.download())
+add("motion", lambda model, name: model.motions.choose(name), MOTION, latest=True, moves=True)
+add("record", lambda model: model.motions.record(), moves=True)
+add("replay", lambda model: model.motions.replay(), moves=True)
+add("motion_time", lambda model, seconds: model.motions.scrub(seconds), number, latest=True, moves=True)
+add("save_motion", lambda model: model.motions.save(), moves=True)
+add("scene", lambda model: model.points.save(), link=True)
+add(
+    "picture",
+    lambda model, name: model.show(picture=name),
+    one_of(PICTURES, "there is no picture {value}"),
+    latest=True,
+)
+add(
+    "picture_format",
+    lambda model, name: model.show(picture_as=name),
+    one_of(FORMATS, "there is no format {value}"),
+    latest=True,
+)
 
 
 @command("imitation", moves=True)
@@ -43,38 +47,6 @@ def show_imitation(model: PageModel, *, now: float) -> None:
     else:
         model.player.pause()
         model.display.playback.play(run.imitation, now)
-
-
-@command("motion", latest=True, moves=True)
-def choose_motion(
-    model: PageModel,
-    name: Annotated[str, one_of({title: name for name, title in NAMES.items()}, "there is no motion {value}")],
-) -> None:
-    """Choose one of the demonstrator's motions by its title."""
-    model.motions.choose(name)
-
-
-@command("record", moves=True)
-def record(model: PageModel) -> None:
-    """Begin to record the demonstrator, or end it."""
-    model.motions.record()
-
-
-@command("replay", moves=True)
-def replay(model: PageModel) -> None:
-    """Play the chosen motion on, or stop."""
-    model.motions.replay()
-
-
-@command("motion_time", latest=True, moves=True)
-def show_motion_at(model: PageModel, seconds: float) -> None:
-    """Show a moment of the chosen motion."""
-    model.motions.scrub(seconds)
-
-
-@command("save_motion", moves=True)
-def save_motion(model: PageModel) -> None:
-    model.motions.save()
 
 
 @command("load_motion", latest=True, moves=True)
@@ -118,36 +90,19 @@ def best_next(model: PageModel) -> None:
         _choose_last(model)
 
 
-@command("scene", link=True)
-def save_scene(model: PageModel) -> None:
-    """Send the visitor a file of the scene with its points."""
-    model.points.save()
-
-
 def _choose_last(model: PageModel) -> None:
     model.show(chosen=len(model.session.world.body) - 1)
 
 
 @command("save_replay", order_independent=True)
-def save_replay(model: PageModel, *, now: float) -> None:
+def send_replay(model: PageModel, *, now: float) -> None:
     """Send the visitor the session as one page that needs no server."""
-    pictures.save_replay(model)
+    save_replay(model)
     model.say("Writing the replay: one file that opens anywhere, without a server …", now + MESSAGE_S)
 
 
-@command("picture", latest=True)
-def choose_picture(model: PageModel, name: Annotated[str, one_of(PICTURES, "there is no picture {value}")]) -> None:
-    """Choose which panel is saved as a picture."""
-    model.show(picture=name)
-
-
-@command("picture_format", latest=True)
-def choose_format(model: PageModel, name: Annotated[str, one_of(FORMATS, "there is no format {value}")]) -> None:
-    model.show(picture_as=name)
-
-
 @command("save_picture")
-def save_picture(model: PageModel, *, now: float) -> None:
+def send_picture(model: PageModel, *, now: float) -> None:
     """Send the visitor a picture of the chosen panel."""
-    pictures.save_picture(model, now)
+    save_picture(model, now)
     model.say("Drawing the picture, in colours of print and with its caption …", now + MESSAGE_S)

@@ -57,19 +57,14 @@ def draw_ground(scene: Scene, found: Sequence[Landscape], theta_demo: NDArray[np
         if found:
             inside = draw_small(plane, found[k], found[k].minimum[None], theta_demo)
         parts.append(_column(k, inside))
-    return _wrap("".join(parts))
-
-
-def draw_empty_ground() -> str:
-    """Draw what lies under a plot of errors, without landscapes."""
-    return _wrap("")
+    return wrap("".join(parts))
 
 
 def draw_empty() -> str:
     """Draw the tab before a duel."""
     y = HEIGHT / 2
     why = (svg.text(WIDTH / 2, y + 15 * k, line, "vi-2nd vi-mid") for k, line in enumerate(WHY.split("\n")))
-    return _wrap(svg.text(WIDTH / 2, y - 22, SENTENCE, "vi-mid vi-b") + "".join(why))
+    return wrap(svg.text(WIDTH / 2, y - 22, SENTENCE, "vi-mid vi-b") + "".join(why))
 
 
 def draw_race(scene: Scene, racers: Sequence[Session], standings: Sequence[Standing], playing: bool = True) -> str:
@@ -82,7 +77,7 @@ def draw_race(scene: Scene, racers: Sequence[Session], standings: Sequence[Stand
         parts.append(draw_errors(standings))
     for k, line in enumerate(verdict(standings, playing)):
         parts.append(svg.text(0, HEIGHT - 22 + 18 * k, line, "" if k else "vi-verdict"))
-    return f'<div class="vi-over">{_wrap("".join(parts))}</div>'
+    return f'<div class="vi-over">{wrap("".join(parts))}</div>'
 
 
 def draw_errors(standings: Sequence[Standing]) -> str:
@@ -91,18 +86,11 @@ def draw_errors(standings: Sequence[Standing]) -> str:
     everything = np.maximum(np.concatenate(errors), MIN_ERROR_DEG)
     low, high = decades(everything, 0.1, 10.0)
     last = max(4, *(len(each) - 1 for each in errors))
-    plot = Axes((LEFT, TOP + 19, WIDTH - 8, TOP + MAX_HEIGHT), (0, last), (low, high), up=log10)
-    ticks = sorted({0, last // 2, last})
-    parts = [
-        plot.frame(
-            "Largest joint error",
-            "log, over the steps",
-            [(tick, str(tick)) for tick in ticks],
-            [(value, f"{words}°") for value, words in decade_ticks(low, high, 3)],
-            LEFT,
-        ),
-        plot.level(ARRIVED_DEG, "vi-cursor"),
-    ]
+    plot = Axes(LEFT, TOP + 19, WIDTH - 8, TOP + MAX_HEIGHT, (0, last), (low, high), up=log10)
+    steps = [(tick, str(tick)) for tick in sorted({0, last // 2, last})]
+    degrees = [(value, f"{words}°") for value, words in decade_ticks(low, high, 3)]
+    parts = [plot.frame("Largest joint error", "log, over the steps", steps, degrees, LEFT)]
+    parts.append(plot.level(ARRIVED_DEG, "vi-cursor"))
     for k in (1, 0):
         kept = svg.thinned(len(errors[k]), MAX_VERTICES)
         x, y = np.array(kept, float), np.maximum(errors[k][list(kept)], MIN_ERROR_DEG)
@@ -161,10 +149,8 @@ def _words(standing: Standing, k: int) -> str:
     ]
     for left, (label, value, unit) in zip(COLUMNS, figures):
         parts.append(svg.text(x + left, y, label, "vi-2nd"))
-        parts.append(
-            f'<text x="{x + left}" y="{y + 20}"><tspan class="vi-big">{value}</tspan>'
-            f'<tspan class="vi-2nd">{unit}</tspan></text>'
-        )
+        number = f'<tspan class="vi-big">{value}</tspan><tspan class="vi-2nd">{unit}</tspan>'
+        parts.append(f'<text x="{x + left}" y="{y + 20}">{number}</text>')
     return "".join(parts)
 
 
@@ -183,5 +169,6 @@ def _column(k: int, inside: str) -> str:
     return f'<g transform="translate({k * (COLUMN + GAP)} {TOP})">{inside}</g>'
 
 
-def _wrap(inside: str) -> str:
+def wrap(inside: str) -> str:
+    """Build a drawing of the tab, as HTML."""
     return f'<div class="vi-panel"><svg class="vi vi-duel" viewBox="0 0 {WIDTH} {HEIGHT}">{inside}</svg></div>'

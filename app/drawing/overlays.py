@@ -1,30 +1,34 @@
-"""The page's links: over its drawings and in its glossary. The page's script sends the action of a clicked link."""
+"""What stands over and beside the library's drawings: links, whose action the page's script sends; bars of joints."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from viewimit.analysis.observability import PointInformation, Proposal, unobservable_joints
+from viewimit.analysis.self_assessment import Assessment
 from viewimit.drawing import svg
 from viewimit.drawing.curves import arrange_plots, plot_box
 from viewimit.drawing.glossary import ask, cards, describe_entry, glossary
 from viewimit.drawing.images.panel import HEADINGS
 from viewimit.drawing.images.planes import SIZES, Window, Windows, image_points, placed
-from viewimit.drawing.landscape import HINT, HINT_PLACE
+from viewimit.drawing.landscape import HINT, HINT_PLACE, describe_costs, draw_bars
 from viewimit.drawing.posture_plane import PosturePlane
+from viewimit.estimation.transfers.transfer import FLATNESS
 from viewimit.estimation.views import FourViews
+from viewimit.geometry.affine import MIN_POINTS
 from viewimit.loop.snapshot import Snapshot
-from viewimit.simulation.scene import Scene
+from viewimit.servo.certificate import MAX_STD_PER_PX
+from viewimit.simulation.robot import robot_names
+from viewimit.simulation.scene import Scene, load_robot
+from viewimit.wording import sentences
 
 
 def link(what: str, name: str, inside: str, stop: bool = True) -> str:
-    """Build one link.
-
-    what: the action, as control/value; name: what a screen reader says; inside: HTML or SVG of the link; stop: whether
-    the Tab key stops there.
-    """
+    """Build one link. what: the action, as control/value; name: what a screen reader says; inside: HTML or SVG of the
+    link; stop: whether the Tab key stops there."""
     more = f' aria-label="{svg.escape(name)}"' if stop else ' tabindex="-1" aria-hidden="true"'
     return f'<a href="#" data-do="{what}"{more}>{inside}</a>'
 
@@ -39,6 +43,7 @@ def button(what: str, name: str, inside: str) -> str:
 # parts to the present places.
 
 MORE, LESS = "M1-4h3v3M-1 4h-3v-3M4-4l-3 3M-4 4l3-3", "M4-1h-3v-3M-4 1h3v3M1-1l3-3M-1 1l-3 3"  # icons, 12 px
+SQUARE = '<rect x="-8" y="-8" width="16" height="16" rx="3"/>'  # around an icon
 HIT, HALO = 12, 11  # px, radii of a point's link and of its mark
 MIN_HIT = 1.5  # px, radius of the link of a crowded point
 FIRST_IMAGE = 2  # among the panels that can be enlarged: the images follow two others
@@ -53,14 +58,15 @@ AIM, ARM = 8, 13  # px, cross hair: radius of its ring, length of its lines
 
 def point_links(count: int, whole: bool) -> str:
     """Build links over the four images, whole or not. Tab stops at the points of L, as the other images repeat them.
-
-    Each point has two links: a circle of radius HIT, and above all of these the part where it is the nearest point.
-    """
+    Each point has two links: a circle of radius HIT, and above all of these the part where it is the nearest point."""
+    if not count:
+        return ""
     inside = {}
     for k, (view, size) in enumerate(SIZES[whole].items()):
         around = "".join(_link(view, i, "vi-around") for i in range(count))
         nearest = "".join(_link(view, i, "vi-nearest", stop=view == "L") for i in range(count))
-        large = link(f"large/{FIRST_IMAGE + k}", f"Enlarge picture {view}", _corners(size[0]))
+        icon = f'<g class="vi-larger" transform="translate({size[0] / 2:g} 10)">{SQUARE}<path d="{MORE}"/></g>'
+        large = link(f"large/{FIRST_IMAGE + k}", f"Enlarge picture {view}", icon)
         inside[view] = around + nearest + large
     construct = link("construction/0", "Build up how the point is transferred", "▸ Build it up <kbd>C</kbd>")
     return _over_images(inside, construct, whole, " vi-links", ' role="group" aria-label="Points to choose"')
@@ -88,12 +94,6 @@ def _over_images(inside: Mapping[str, str], how: str, whole: bool, classes: str 
         f'<div class="vi-above{classes}"><div class="vi-panel vi-four"><div class="{kind}"{attributes}>'
         f"{''.join(drawings)}</div></div></div>"
     )
-
-
-def _corners(width: int) -> str:
-    """Draw the icon for enlarging at the top of an image of this width, px."""
-    square = '<rect x="-8" y="-8" width="16" height="16" rx="3"/>'
-    return f'<g class="vi-larger" transform="translate({width / 2:g} 10)">{square}<path d="{MORE}"/></g>'
 
 
 def _link(view: str, i: int, kind: str, stop: bool = False) -> str:
@@ -237,10 +237,8 @@ def listed() -> str:
 
 
 def current_values(values: Mapping[str, float]) -> str:
-    """Build a style that marks the present values on the cards' scales, so that open cards stay as they are.
-
-    values: by key; NaN is left out.
-    """
+    """Build a style that marks the present values on the cards' scales, so that open cards stay as they are. values: by
+    key; NaN is left out."""
     rules = []
     for key, value in values.items():
         scale = glossary()[key].scale
@@ -256,3 +254,119 @@ def _show(key: str) -> str:
     entry = glossary()[key]
     words = "Show me a bad one" if entry.bad else "Show me"
     return f'<span class="vi-show">{link(f"show/{key}", f"{words}: {entry.symbol}", words)}</span>'
+
+
+# Bars of joints beside the sliders: the learner's posture, and what body points tell about each joint.
+
+JOINT_NAMES = ("Base", "Shoulder", "Upper arm", "Elbow", "Forearm", "Wrist", "Hand")  # of a human arm
+WIDTH, NARROW, HEIGHT, INSET = 150, 74, 22, 8  # px of a posture bar, in one column and in two
+MIN_IN_COLUMNS = 4  # joints that stand in two columns, so that they fit beside the demonstrator's sliders
+POINTS_WIDTH, ROW = 250, 19  # px of the drawing of body points, and per joint
+MAX_NAMED = 3  # joints of which a sentence names all
+
+
+def joint_name(scene: Scene, joint: int) -> str:
+    """What a joint is called, with its symbol: the shipped robots' are those of a human arm, others have their own."""
+    if scene.robot not in robot_names():
+        name = load_robot(scene.robot).joints[joint - 1].name
+    else:
+        name = JOINT_NAMES[joint - 1] if joint <= len(JOINT_NAMES) else "Joint"
+    return f"{name} {svg.joint_symbol(joint)}"
+
+
+def draw_learner(
+    scene: Scene, theta: NDArray[np.float64], theta_demo: NDArray[np.float64], assessment: Assessment | None = None
+) -> str:
+    """Draw a bar per joint with the learner's angle, the demonstrator's mark and the gap. theta, theta_demo: postures
+    of both arms, (m,) rad; the learner does not know theta_demo; assessment: what the learner knows of its joints: an
+    unobservable one has a hatched band."""
+    rows, columns = [], len(theta) >= MIN_IN_COLUMNS
+    band = np.zeros(len(theta))
+    if assessment is not None:
+        band[assessment.unobservable] = np.maximum(assessment.std_per_px[assessment.unobservable], MAX_STD_PER_PX)
+    width = NARROW if columns else WIDTH
+    limits = zip(scene.lower.tolist(), scene.upper.tolist())
+    for k, (joint, own, demo, (low, high)) in enumerate(
+        zip(scene.moving_joints, theta.tolist(), theta_demo.tolist(), limits)
+    ):
+        place = lambda angle, low=low, high=high: INSET + (width - 2 * INSET) * (angle - low) / (high - low)
+        x, mark, y = place(own), place(demo), HEIGHT / 2
+        name = svg.joint_symbol(joint) if columns else joint_name(scene, joint)
+        rows.append(
+            f'<div class="vi-bar"><span>{name}</span><svg viewBox="0 0 {width} {HEIGHT}">'
+            f'<line x1="{INSET}" x2="{width - INSET}" y1="{y}" y2="{y}" class="vi-bar-rail"/>'
+            f"{_band(place(max(own - band[k], low)), place(min(own + band[k], high))) if band[k] else ''}"
+            f'<line x1="{x:.1f}" x2="{mark:.1f}" y1="{y}" y2="{y}" class="vi-bar-gap"/>'
+            f'<path d="M{mark:.1f} {y - 5.5}l5.5 5.5l-5.5 5.5l-5.5 -5.5z" class="vi-bar-demonstrator"/>'
+            f'<circle cx="{x:.1f}" cy="{y}" r="5" class="vi-bar-learner"/></svg><b>{svg.degrees(own)}</b></div>'
+        )
+    return f'<div class="vi-bars{" vi-many" if columns else ""}">{"".join(rows)}</div>'
+
+
+def _band(left: float, right: float) -> str:
+    """Draw a hatched band between two px, by strokes, because a pattern would need an id of its own on the page."""
+    strokes = "".join(f"M{x:.1f} {HEIGHT - 4}l4-14" for x in np.arange(left, right - 4, 5))
+    edge = f'<rect x="{left:.1f}" y="3.5" width="{right - left:.1f}" height="{HEIGHT - 7}" rx="3"/>'
+    return f'<g class="vi-bar-unobservable">{edge}<path d="{strokes}"/></g>'
+
+
+def draw_body_points(
+    joints: Sequence[int], information: PointInformation, proposal: Proposal | None, searching: bool
+) -> str:
+    """Draw what the body points tell, while they are edited: their number, flatness, and a bar per joint. joints:
+    numbers of the moving ones, from 1; information: what the present points tell; proposal: the best further point, if
+    it is known; searching: whether it is being computed."""
+    lines = [f"<b>{_count(information)}</b>{_flatness(information)}"]
+    spread = information.std_per_px
+    if spread is not None:
+        height = ROW * len(joints)
+        bars = draw_bars(joints, spread, POINTS_WIDTH, ROW)
+        lines.append(
+            f'Joint error per pixel of noise<svg class="vi" viewBox="0 0 {POINTS_WIDTH} {height}">{bars}</svg>'
+        )
+    words = _next_point(joints, proposal, searching)
+    return "".join(f"<div>{line}</div>" for line in (*lines, svg.escape(words)) if line)
+
+
+def describe_body_points(
+    joints: Sequence[int], information: PointInformation, proposal: Proposal | None, searching: bool
+) -> str:
+    """Say the same in a sentence or two; parameters as for `draw_body_points`."""
+    if information.std_per_px is None:
+        costs = f"a transfer needs {MIN_POINTS}"
+    else:
+        costs = _worst_costs(joints, information.std_per_px)
+    words = "; ".join(filter(None, (_count(information), costs, _flatness(information))))
+    return sentences(words, _next_point(joints, proposal, searching) or "Click an arm to place one.")
+
+
+def _count(information: PointInformation) -> str:
+    count, seen = information.count, information.visible
+    return svg.count_points(count) + ("" if seen == count else f", {seen} in all pictures")
+
+
+def _flatness(information: PointInformation) -> str:
+    if information.std_per_px is None or not np.isfinite(information.flatness):
+        return ""
+    return f"{FLATNESS} {svg.number(information.flatness, 0)}"
+
+
+def _next_point(joints: Sequence[int], proposal: Proposal | None, searching: bool) -> str:
+    if searching:
+        return "Looking for the best next point …"
+    if proposal is None:
+        return ""
+    after = proposal.after.std_per_px
+    if after is None:
+        return "The hollow point would help most."
+    return f"The hollow point would help most: {_worst_costs(joints, after)}."
+
+
+def _worst_costs(joints: Sequence[int], spread: NDArray[np.float64]) -> str:
+    """Describe all of few joints; of many, the costliest and the unobservable ones. spread: (m,) rad/px."""
+    if len(joints) <= MAX_NAMED:
+        return describe_costs(joints, spread)
+    unobservable = unobservable_joints(spread)
+    worst = [k for k in np.argsort(-spread) if k not in unobservable][:1]
+    chosen = [*worst, *sorted(unobservable)]
+    return describe_costs([joints[k] for k in chosen], spread[chosen], are_worst=True)

@@ -20,7 +20,7 @@ from viewimit.simulation.robot import load_markers
 from viewimit.simulation.scene import Scene
 from viewimit.simulation.world import World
 
-from . import camera_child
+from . import child
 from .experiments import begin, end
 
 ANSWERS_WITHIN_S = 30.0  # else it hangs
@@ -33,7 +33,7 @@ class CameraLost(Exception):
 class CameraProcess:
     """For any thread; `look` blocks until it is answered. work: what runs in the process."""
 
-    def __init__(self, work: Callable[[Connection], None] = camera_child.work):
+    def __init__(self, work: Callable[[Connection], None] = child.look_at_scenes):
         self._work, self._turn = work, threading.Lock()  # held until an answer is there
         self._process: BaseProcess | None = None
         self._connection: Any = None  # a Connection; on Windows a PipeConnection
@@ -45,14 +45,18 @@ class CameraProcess:
         return process is not None and process.is_alive()
 
     def look(self, scene: Scene, theta: dict[str, NDArray], pair: str, posture: NDArray) -> tuple:
-        """Return image points, pictures and postures, as `camera_child` says. Raises ValueError, RuntimeError as it
+        """Return image points, pictures and postures, as `child` says. Raises ValueError, RuntimeError as it
         tells; CameraLost if two processes in turn have ended, or one hangs."""
         with self._turn:
             try:
-                answer = self._ask(scene, theta, pair, posture)
+                kind, *content = self._ask(scene, theta, pair, posture)
             except (EOFError, OSError):  # it was killed, or has just ended as nobody looked
-                answer = self._ask_again(scene, theta, pair, posture)
-        kind, *content = answer
+                self._end()
+                try:
+                    kind, *content = self._ask(scene, theta, pair, posture)
+                except (EOFError, OSError):
+                    self._end()
+                    raise CameraLost("the process of the camera images has ended unexpectedly") from None
         if kind == "refused":
             raise ValueError(content[0])
         if kind == "failed":
@@ -80,14 +84,6 @@ class CameraProcess:
             raise CameraLost("the process of the camera images does not answer")
         return self._connection.recv()
 
-    def _ask_again(self, *look: Any) -> tuple:
-        self._end()
-        try:
-            return self._ask(*look)
-        except (EOFError, OSError):
-            self._end()
-            raise CameraLost("the process of the camera images has ended unexpectedly") from None
-
     def _end(self) -> None:
         (process, self._process), (connection, self._connection) = (self._process, None), (self._connection, None)
         if connection is not None:
@@ -95,8 +91,6 @@ class CameraProcess:
         if process is not None:
             end(process)
 
-
-# What one session of a page looks with: projected points here, or pictures in the process of the camera images.
 
 MOST_PX = 1280 * 720  # of an image: a look takes 0.1 s then, for which all others wait
 MOST_LOOKS = 60  # whose pictures are kept, of a session: 1 MB
@@ -147,10 +141,8 @@ class RemoteEyes(SimulatedEyes):
 
 
 def eyes_beside(process: CameraProcess) -> Callable[[str, Scene, int], SimulatedEyes]:
-    """Return what opens a session's eyes, as `open_eyes` does, but with pictures of that process.
-
-    It raises ValueError for images of more than MOST_PX too.
-    """
+    """Return what opens a session's eyes, as `open_eyes` does, but with pictures of that process, of MOST_PX at
+    most."""
 
     def opened(sensor: str, scene: Scene, points: int) -> SimulatedEyes:
         if sensor == "projected":

@@ -1,6 +1,7 @@
-"""What runs in processes beside the server: an experiment, a basin of attraction, a PNG. Nothing of viser is here.
+"""What runs in processes beside the server: camera images, an experiment, a basin of attraction, a PNG. Nothing of
+viser is loaded.
 
-A process of the first two carries out one request (name, settings, options), and sends changes of its `Run` by name.
+One of the second or the third carries out one request (name, settings, options), and sends changes of its `Run`.
 """
 
 import io
@@ -18,17 +19,15 @@ from typing import Any
 from viewimit.geometry import limit_blas_threads
 from viewimit.processes import ignore_interrupts, lower_priority
 
-EXPERIMENT_NICENESS, PNG_NICENESS = 10, 5  # sessions go first
+CAMERA_NICENESS, PNG_NICENESS, EXPERIMENT_NICENESS = 1, 5, 10  # drawing the pages goes first
 TELLS_EVERY = 0.25  # s
 MOST_BYTES = 64 << 20  # of the zip
 PNG_WITHIN = 60.0  # s
 
 
 def stand_back(niceness: int) -> None:
-    """Leave Ctrl+C and a closed terminal to the server, which ends this process; let that go first; use one thread.
-
-    To be called before numpy is loaded.
-    """
+    """Leave Ctrl+C and a closed terminal to the server, which ends this process; let that go first; use one thread. To
+    be called before numpy is loaded."""
     ignore_interrupts()
     lower_priority(niceness)
     limit_blas_threads(override=True)
@@ -118,6 +117,57 @@ def render(picture: str) -> bytes:
         return subprocess.run(ask, input=picture.encode(), stdout=-1, check=True, timeout=PNG_WITHIN).stdout
     except (subprocess.TimeoutExpired, subprocess.CalledProcessError):
         raise ValueError("the PNG could not be made; save it as SVG") from None
+
+
+QUALITY = 80  # of a JPEG: about 7 kB each
+MOST_SCENES = 4  # whose eyes are kept
+UNUSED_S = 120.0  # after which it ends; to begin takes 2 s
+
+
+def look_at_scenes(connection: Connection) -> None:
+    """Render camera images. It receives (scene, postures of both arms by pair of views, pair, posture of the arm that
+    is looked at) and answers ("answer", image points, the two pictures as JPEG, postures afterwards), ("refused", why)
+    for what cannot be, or ("failed", why) for a fault. It ends when the server is gone, or when nobody has looked for a
+    while."""
+    stand_back(CAMERA_NICENESS)  # received messages load numpy
+    from viewimit.simulation.rendering import RenderedEyes
+
+    answer_looks(connection, RenderedEyes, UNUSED_S)
+
+
+def answer_looks(connection: Connection, make_eyes: Callable[[Any], Any], unused_s: float) -> None:
+    """Answer until none has asked for `unused_s`. make_eyes(scene) → eyes as `RenderedEyes`."""
+    made: list[tuple] = []  # scenes and their eyes
+    try:
+        while connection.poll(unused_s):
+            connection.send(_looked(made, make_eyes, *connection.recv()))
+    except (EOFError, ConnectionError):
+        pass  # the server is gone
+
+
+def _looked(made: list[tuple], make_eyes: Callable, scene, theta: dict, pair: str, posture) -> tuple:
+    try:
+        eyes = next((eyes for known, eyes in made if known == scene), None)
+        if eyes is None:
+            eyes = make_eyes(scene)
+            made[:] = [*made[1 - MOST_SCENES :], (scene, eyes)]
+        eyes.theta = theta
+        images = (eyes.demo_images if pair == "lr" else eyes.own_images)(posture)
+        return "answer", images, tuple(_jpeg(eyes.pictures[view]) for view in pair), eyes.theta
+    except ValueError as error:
+        return "refused", str(error)
+    except Exception as error:  # any fault is sent to the session that asked
+        traceback.print_exc()
+        return "failed", f"{type(error).__name__}: {error}"
+
+
+def _jpeg(picture) -> bytes:
+    """picture: (height, width, 3) uint8 red, green, blue."""
+    from PIL import Image
+
+    packed = io.BytesIO()
+    Image.fromarray(picture).save(packed, "JPEG", quality=QUALITY)
+    return packed.getvalue()
 
 
 if __name__ == "__main__":

@@ -53,12 +53,8 @@ class Request:
 
 @dataclass(frozen=True)
 class Run:
-    """A page's knowledge of its experiment; each message brings it whole.
-
-    state: waiting, running, writing (its files), done, failed, cancelled; figure: html, of the results so far;
-    imitation: a motion that can be seen; archive: zip of the files; seconds: since it began to run; request: of the
-    page.
-    """
+    """A page's knowledge of its experiment. state: waiting, running, writing (its files), done, failed, cancelled;
+    figure: html, of the results so far; archive: zip of the files; seconds: since it began to run."""
 
     name: str
     state: str = "waiting"
@@ -86,9 +82,7 @@ class _Job:
 
 class ExperimentWorker:
     """`ask` returns at once; `tell(run)` is called under the worker's lock, from any thread, and must be short.
-
-    work(connection, folder): what each process does.
-    """
+    work(connection, folder): what each process does."""
 
     def __init__(self, work: Callable[[Connection, str], None] = child.carry_out_experiment):
         self._work, self._lock = work, threading.RLock()

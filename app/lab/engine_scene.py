@@ -9,19 +9,12 @@ from numpy.typing import NDArray
 from viewimit.drawing.svg import joint_symbol
 from viewimit.simulation.appearance import extreme_vertices
 from viewimit.simulation.camera import Camera
-from viewimit.simulation.robot import BodyPoints, link_meshes, robot_names
-from viewimit.simulation.scene import Scene, load_robot
+from viewimit.simulation.robot import BodyPoints, link_meshes
+from viewimit.simulation.scene import Scene
 from viewimit.simulation.world import World
 
-JOINT_NAMES = {
-    1: "Base {symbol}",
-    2: "Shoulder {symbol}",
-    3: "Upper arm {symbol}",
-    4: "Elbow {symbol}",
-    5: "Forearm {symbol}",
-    6: "Wrist {symbol}",
-    7: "Hand {symbol}",
-}
+from ..drawing.overlays import joint_name
+
 MOVING_JOINTS = 2  # the map of E has as many axes
 HULL_DIGITS = 4  # of m
 MAX_RADIUS = 1e3  # focal lengths from the optical axis, instead of infinity
@@ -97,13 +90,6 @@ def describe_hulls(robot: str) -> dict[str, Sequence]:
     meshes = link_meshes(robot)
     corners = {link: extreme_vertices(np.asarray(mesh.vertices, float)) for link, mesh in meshes.items()}
     return {str(link): found.round(HULL_DIGITS).tolist() for link, found in corners.items()}
-
-
-def joint_name(scene: Scene, joint: int) -> str:
-    """What a joint is called, with its symbol: the shipped robots' are those of a human arm, others have their own."""
-    if scene.robot in robot_names():
-        return JOINT_NAMES.get(joint, "Joint {symbol}").format(symbol=joint_symbol(joint))
-    return f"{load_robot(scene.robot).joints[joint - 1].name} {joint_symbol(joint)}"
 
 
 def _camera(camera: Camera) -> dict[str, Any]:

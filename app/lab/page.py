@@ -2,22 +2,16 @@
 
 from functools import cache
 from typing import Any
-from urllib.parse import urlencode
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
-from viewimit.loop.settings import DISTURBANCES, Settings
-from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.scene import Scene, load_scene
 from viewimit.simulation.world import World
 
 from ..presets import LAB_PRESETS, Preset
 from ..ways import Ways, about, header
 from .engine_scene import can_compute, describe_hulls, engine_scene
-from .methods import lab_methods
-from .recording import lacks
 from .replay import lab_html
 from .space import Shapes, describe_robot, describe_stage
 
@@ -28,12 +22,9 @@ MAX_FACES = 12_000  # of each link's mesh; the shipped robots have fewer
 
 
 def lab_page(scene: Scene | None = None, name: str = SHIPPED, ways: Ways = NO_WAYS) -> str:
-    """Return the lab as one HTML page.
-
-    scene: of the lab, by default the shipped one; presets of other scenes are then left out; name: as settings name
-    that scene; ways: where the header's verbs lead. Raises ValueError for a scene of other than two moving joints, or
-    with lenses that distort.
-    """
+    """Return the lab as one HTML page. scene: of the lab, by default the shipped one; presets of other scenes are then
+    left out; name: as settings name that scene; ways: where the header's verbs lead. Raises ValueError for a scene of
+    other than two moving joints, or with lenses that distort."""
     given = scene or load_scene(SHIPPED)
     shapes, scenes, chosen = Shapes(), {}, []
     robot = describe_robot(given.robot, shapes, MAX_FACES)
@@ -47,8 +38,7 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED, ways: Ways = NO_WA
     if scene is not None:
         chosen[0] |= {"title": given.title, "says": "Press Play, and the learner copies the pose of the demonstrator."}
     data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": describe_hulls(given.robot)}
-    parts = {"ways": header(ways, "play", with_about=False), "about": about(ways)}
-    return lab_html(TITLE, data, shapes.packed, parts=parts)
+    return lab_html(TITLE, data, shapes.packed, ways=header(ways, "play", with_about=False), about=about(ways))
 
 
 def _offered(scene: Scene | None) -> list[Preset]:
@@ -111,61 +101,3 @@ def served_page(name: str, robot: str | None, ways: Ways = NO_WAYS) -> str:
     """Return the lab of a server that was started with this scene; of the shipped one, if the lab cannot compute it."""
     scene = _served(name, robot)
     return lab_page(ways=ways) if scene is None else lab_page(scene, name, ways)
-
-
-# The address at which the lab opens in a session's state, as app/lab/view/address.js reads it.
-
-TOLD = {  # fields that the address carries, or that are told by what they do
-    "scene", "robot", "joints", "body_points", "points", "demonstrator_deg", "start_deg", "transfer", "servo",
-    "noise_px", "missing", "seed", "rectify", "sensor",
-}  # fmt: skip
-DIGITS = 2  # of an angle in degrees
-
-
-def lab_address(now: Snapshot) -> str | None:
-    """Return the lab's path and fragment for a moment; None for a scene that the lab does not have.
-
-    A servo or a transfer that the lab does not have is left to its default there; `lab_lacks` says so.
-    """
-    settings, found = now.settings, _presets_of(now)
-    if not found or _own_bodies(now) or settings.sensor != "projected":
-        return None
-    fields = {
-        "preset": found[0].key,
-        "demo": _degrees(now.theta_demo),
-        "start": _degrees(now.theta),
-        "servo": settings.servo if settings.servo in lab_methods().servos else None,
-        "transfer": settings.transfer if settings.transfer in lab_methods().transfers else None,
-        "points": settings.points,
-        "noise": settings.noise_px,
-        "missing": settings.missing,
-        "seed": settings.seed,
-    }
-    return "/lab#" + urlencode({name: value for name, value in fields.items() if value is not None}, safe=",")
-
-
-def lab_lacks(now: Snapshot) -> list[str]:
-    """Say what of a moment the lab's address cannot carry, each in a few words."""
-    scene = [] if _presets_of(now) else ["this scene"]
-    usual = Settings.paper()
-    fields = (name for name in usual.__struct_fields__ if name not in TOLD and name not in DISTURBANCES)
-    other = [name.replace("_", " ") for name in fields if getattr(now.settings, name) != getattr(usual, name)]
-    return [*scene, *_own_bodies(now), *lacks(now), *other]
-
-
-def _presets_of(now: Snapshot) -> list[Preset]:
-    """The lab's presets of a moment's scene, the one of the most equal settings first."""
-    there = [preset for preset in LAB_PRESETS if preset.settings.scene == now.settings.scene]
-    fields = ("transfer", "servo", "points", "noise_px", "missing")
-    return sorted(
-        there, key=lambda one: sum(getattr(one.settings, name) != getattr(now.settings, name) for name in fields)
-    )
-
-
-def _own_bodies(now: Snapshot) -> list[str]:
-    own = {"robot": "this robot", "joints": "these joints", "body_points": "these points"}
-    return [words for field, words in own.items() if getattr(now.settings, field) is not None]
-
-
-def _degrees(theta: NDArray[np.float64]) -> str:
-    return ",".join(f"{angle:g}" for angle in np.degrees(theta).round(DIGITS))

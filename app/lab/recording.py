@@ -5,10 +5,13 @@ app/lab/view/recorded.js reads what is written here.
 """
 
 from collections.abc import Sequence
+from functools import cache, lru_cache
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
+from viewimit.assets import ROOT
 
 from viewimit.analysis.construction import construct
 from viewimit.analysis.landscape import Landscape, conflict_at, seen_from
@@ -20,11 +23,9 @@ from viewimit.drawing.images.panel import gauge
 from viewimit.drawing.landscape import HEIGHT, WIDTH, draw_observability
 from viewimit.drawing.status import describe, describe_truth
 from viewimit.loop.session import Session
-from viewimit.loop.settings import DISTURBANCES
+from viewimit.loop.settings import DISTURBANCES, Settings
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.appearance import Silhouettes
-
-from .methods import lab_methods
 
 MAX_SNAPSHOTS = 150  # of a longer run, evenly spread
 MAX_LANDSCAPES = 24  # of different demonstrators' postures; with more, a sentence says that the map follows
@@ -35,6 +36,19 @@ FOLLOWS = "The map of E follows the demonstrator."
 PX, RAD, SHARE = 100, 1e6, 1000  # units of what is recorded in a px, a rad, and the logarithm of E
 MAX_WHOLE = 1e8  # hundredths of a px: nothing so far off is drawn
 LAB_DISTURBANCES = "noise_px", "missing"
+
+
+class LabMethods(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What the lab says of each method, by its name; the first stands in for others."""
+
+    servos: dict[str, dict[str, Any]]
+    transfers: dict[str, dict[str, Any]]
+
+
+@cache
+def lab_methods() -> LabMethods:
+    """Return the methods of the lab, from the file that its modules read as well."""
+    return msgspec.json.decode(ROOT.joinpath("lab", "methods.json").read_bytes(), type=LabMethods)
 
 
 def kept_motions(history: Sequence[Snapshot]) -> list[int]:
@@ -73,13 +87,8 @@ def record(session: Session, motions: Sequence[int], chosen: int | None) -> dict
                 **_said(session, moment),
             }
         )
-    return {
-        "chosen": chosen,
-        "snapshots": recorded,
-        "demonstrators": demonstrators.entries,
-        "methods": methods.entries,
-        "maps": maps.entries,
-    }
+    tables = {"demonstrators": demonstrators.entries, "methods": methods.entries, "maps": maps.entries}
+    return {"chosen": chosen, "snapshots": recorded, **tables}
 
 
 def describe_method(moment: Snapshot) -> dict[str, Any]:
@@ -101,24 +110,23 @@ def describe_method(moment: Snapshot) -> dict[str, Any]:
             "seed": settings.seed,
             "points": len(moment.views.demo),
         },
-        "lacks": lacks(moment),
+        "lacks": lacks(settings, moment.method.title, moment.servo.title, moment.rectification is not None),
     }
 
 
-def lacks(moment: Snapshot) -> list[str]:
-    """Say what of a run the lab has not, each in a few words."""
-    settings = moment.settings
-    lacking = []
-    if settings.transfer not in lab_methods().transfers:
-        lacking.append(f"the transfer “{moment.method.title}”")
-    if settings.servo not in lab_methods().servos:
-        lacking.append(f"the servo “{moment.servo.title}”")
-    if moment.rectification is not None:
-        lacking.append("rectified pictures")
-    if settings.sensor != "projected":
-        lacking.append("rendered pictures")
+@lru_cache(64)
+def lacks(settings: Settings, transfer: str, servo: str, is_rectified: bool) -> tuple[str, ...]:
+    """Say what of a run the lab has not, each in a few words. transfer, servo: their titles."""
+    offered = lab_methods()
     disturbed = (name for name in DISTURBANCES if name not in LAB_DISTURBANCES and getattr(settings, name))
-    return [*lacking, *(name.removesuffix("_deg").replace("_", " ") for name in disturbed)]
+    found = {
+        f"the transfer “{transfer}”": settings.transfer not in offered.transfers,
+        f"the servo “{servo}”": settings.servo not in offered.servos,
+        "rectified pictures": is_rectified,
+        "rendered pictures": settings.sensor != "projected",
+        **{name.removesuffix("_deg").replace("_", " "): True for name in disturbed},
+    }
+    return tuple(words for words, is_lacking in found.items() if is_lacking)
 
 
 def _said(session: Session, moment: Snapshot) -> dict[str, Any]:
@@ -129,14 +137,8 @@ def _said(session: Session, moment: Snapshot) -> dict[str, Any]:
     assessment = assess(session) if is_last and session.cursor == last and moment.status.is_at_rest else None
     before = history[max(motion - TREND, 0) : motion]
     said = describe(moment, before, not is_last, assessment, joints, advises=False)
-    return {
-        "state": str(said.state),
-        "title": said.title,
-        "sentence": said.sentence,
-        "doubt": said.doubt,
-        "word": said.word,
-        "truth": describe_truth(joints, moment.theta, moment.theta_demo),
-    }
+    words = {name: getattr(said, name) for name in ("title", "sentence", "doubt", "word")}
+    return {"state": str(said.state), **words, "truth": describe_truth(joints, moment.theta, moment.theta_demo)}
 
 
 def _condition(moment: Snapshot) -> dict[str, Any] | None:

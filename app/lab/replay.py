@@ -9,12 +9,11 @@ import hashlib
 import os
 import re
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cache
 from html import escape
 from pathlib import Path
 from string import Template
-from types import MappingProxyType
 from typing import Any
 
 import msgspec
@@ -27,7 +26,6 @@ from viewimit.drawing.glossary import ask, cards
 from viewimit.drawing.svg import count_motions
 from viewimit.drawing.theme import DRAWING_CSS, WORDS_CSS, font_faces, variables
 from viewimit.loop.session import Session
-from viewimit.loop.snapshot import Snapshot
 
 from .engine_scene import can_compute, describe_hulls, describe_world
 from .recording import describe_method, kept_motions, record
@@ -44,11 +42,9 @@ EXPORT = re.compile(r"^export (?:async )?(?:const|let|function|class) (\w+)", re
 
 def bundle(entry: str) -> str:
     """Return ES modules as one script: each becomes a function that returns its exports, in the order of imports.
-
     entry: the module that is run last, a path in app/lab/. Modules import by name, from relative paths, at the top:
     `import {a, b as c} from "./x.js";`. They export declarations, one name each, or names of other modules; JSON files
-    come by one name. No module imports in a circle.
-    """
+    come by one name. No module imports in a circle."""
     parts: dict[Path, str] = {}
     at = lambda path: f"MODULES[{path.relative_to(SCRIPTS).as_posix()!r}]"
 
@@ -95,20 +91,16 @@ def packed(data: bytes) -> str:
 CELL_HEIGHT = 700  # px, in a notebook
 SCENE = "replay"  # the name of its scene, and of what the lab begins with
 TAKEN_OVER = "The run of this replay, gone on with in the lab."
-PLACES = "title", "nav", "said", "panel", "steps", "how", "map", "end"  # of lab.html that only replays fill
-PARTS = tuple(f"replay_{place}" for place in PLACES)
-OF_LAB = "ways", "about"  # places of lab.html that replays leave empty
 ASKED = "own_views", "demo_views", "E", "largest_e", "condition", "points_seen", "transfer", "servo"
+PLACES = (  # of lab.html that only the lab, or only replays fill
+    "ways", "about", *(f"replay_{place}" for place in ("title", "nav", "said", "panel", "steps", "how", "map", "end")),
+    *(f"ask_{key}" for key in ASKED),
+)  # fmt: skip
+STYLES = "view/lab.css", "view/ways.css", "challenge/joints.css", "challenge/challenge.css"
 
 
 class Replay:
-    """A recorded session as an HTML page; a notebook shows it as the value of a cell.
-
-    Parameters
-    ----------
-    html
-        Text of the page.
-    """
+    """A recorded session as an HTML page, its text; a notebook shows it as the value of a cell."""
 
     def __init__(self, html: str):
         self.html = html
@@ -149,16 +141,15 @@ def replay(session: Session, title: str = "", chosen: int | None = None) -> Repl
     if chosen is None:
         chosen = largest_residual(first)
     elif not 0 <= chosen < len(world.body):
-        refusal = "no point {point}; there are {n}, from 0"
-        raise ValueError(refusal.format(point=chosen, n=len(world.body)))
-    kept = kept_motions(session.history)
-    shapes, citation = Shapes(), cite(session)
-    robot = describe_robot(world.scene.robot, shapes)
+        raise ValueError(f"no point {chosen}; there are {len(world.body)}, from 0")
+    kept, shapes, citation = kept_motions(session.history), Shapes(), cite(session)
+    told = {"name": SCENE, "title": title or citation.title, "says": TAKEN_OVER, "scene": SCENE}
+    taken_over = told | describe_method(first)["lab"]  # what the lab begins with where it goes on
     data = {
-        "robot": robot,
+        "robot": describe_robot(world.scene.robot, shapes),
         "hulls": describe_hulls(world.scene.robot),
         "scenes": {SCENE: _scene(session, kept, shapes)},
-        "presets": [_preset(first, title or citation.title)] if can_compute(world.scene) else [],
+        "presets": [taken_over] if can_compute(world.scene) else [],
         "run": record(session, kept, chosen),
         "words": cards(),
     }
@@ -175,70 +166,39 @@ def _scene(session: Session, kept: Sequence[int], shapes: Shapes) -> dict[str, A
     return scene | {"stage": describe_stage(world, shapes, ends)}
 
 
-def _preset(first: Snapshot, title: str) -> dict[str, Any]:
-    """What the lab begins with where it takes over."""
-    return {"name": SCENE, "title": title, "says": TAKEN_OVER, "scene": SCENE, **describe_method(first)["lab"]}
-
-
 def _page(title: str, citation: Citation, data: dict[str, Any], meshes: bytes) -> str:
-    last = data["run"]["snapshots"][-1]["motion"]
-    parts = {
-        name: Template(text).substitute(
-            title=escape(title or citation.title),
-            conditions=escape(citation.conditions),
-            motions=last,
-            made=count_motions(last),
-            software=escape(citation.software),
-            repeated=_repeated(citation),
-            line=escape(citation.repeated_by or citation.software),
-            **{f"ask_{key}": ask(key) for key in ASKED},
-        )
-        for name, text in _parts().items()
+    last, title = data["run"]["snapshots"][-1]["motion"], title or citation.title
+    explained = {f"ask_{key}": ask(key) for key in ASKED}
+    told = {
+        "title": escape(title),
+        "conditions": escape(citation.conditions),
+        "motions": last,
+        "made": count_motions(last),
+        "software": escape(citation.software),
+        "repeated": _repeated(citation),
+        "line": escape(citation.command or citation.software),
     }
-    return lab_html(
-        f"{title or citation.title} · a viewimit replay",
-        data,
-        meshes,
-        "\n".join((WORDS_CSS, SCRIPTS.joinpath("view", "replay.css").read_text("utf-8"))),
-        parts | {f"ask_{key}": ask(key) for key in ASKED},
-    )
+    parts = {name: Template(text).substitute(told, **explained) for name, text in _parts().items()}
+    more_styles = "\n".join((WORDS_CSS, SCRIPTS.joinpath("view", "replay.css").read_text("utf-8")))
+    return lab_html(f"{title} · a viewimit replay", data, meshes, more_styles, **parts, **explained)
 
 
-def lab_html(
-    title: str,
-    data: dict[str, Any],
-    meshes: bytes,
-    more_styles: str = "",
-    parts: Mapping[str, str] = MappingProxyType({}),
-) -> str:
-    """Write the lab's page as one file.
-
-    Parameters
-    ----------
-    title
-        Of the window.
-    data
-        What app/lab/view/main.js unpacks.
-    meshes
-        Bytes of the meshes that the data describe.
-    more_styles
-        CSS besides the lab's own.
-    parts
-        HTML by the places of lab.html: of a replay, and the lab's header and word on its makers.
-    """
-    page = Template(SCRIPTS.joinpath("view", "lab.html").read_text("utf-8")).substitute(
-        dict.fromkeys((*PARTS, *OF_LAB, *(f"ask_{key}" for key in ASKED)), ""),
+def lab_html(title: str, data: dict[str, Any], meshes: bytes, more_styles: str = "", **parts: str) -> str:
+    """Write the lab's page as one file. title: of the window; data: what app/lab/view/main.js unpacks; meshes: bytes of
+    the meshes that the data describe; more_styles: CSS besides the lab's own; parts: HTML by the places of lab.html,
+    which else are empty."""
+    page = Template(SCRIPTS.joinpath("view", "lab.html").read_text("utf-8"))
+    filled = page.substitute(
+        dict.fromkeys(PLACES, ""),
         title=escape(title),
         version=escape(__version__),
-        styles="\n".join(
-            (styles("view/lab.css", "view/ways.css", "challenge/joints.css", "challenge/challenge.css"), more_styles)
-        ),
+        styles="\n".join((styles(*STYLES), more_styles)),
         data=packed(msgspec.json.encode(data)),
         meshes=packed(meshes),
         script=packed(_script().encode()),
         **parts,
     )
-    return with_policy(page, _script())
+    return with_policy(filled, _script())
 
 
 @cache
@@ -254,11 +214,8 @@ def _repeated(citation: Citation) -> str:
     parts = []
     for name, text in (("As a command", citation.command), ("In Python", citation.python)):
         if text is not None:
-            parts.append(
-                f'<h2>{name}</h2><button type="button" class="copy"'
-                f' aria-label="{f"Copy: {name}"}">Copy</button>'
-                f'<pre tabindex="0">{escape(text)}</pre>'
-            )
+            copy = f'<button type="button" class="copy" aria-label="Copy: {name}">Copy</button>'
+            parts.append(f'<h2>{name}</h2>{copy}<pre tabindex="0">{escape(text)}</pre>')
     return "".join(parts) or "<p>It goes on from what cannot be said in a few words.</p>"
 
 

@@ -1,26 +1,24 @@
 """Checks of what a browser sent: anything may come."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 from viewimit.drawing import svg
 from viewimit.loop.settings import FIELDS, Setting, Settings, disturbances, given
 from viewimit.loop.simulated_robot import complete
+from viewimit.sensing.files import file_name
 from viewimit.simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
 from viewimit.simulation.scene import Scene, load_robot, load_scene
+from viewimit.simulation.scene_writing import scene_text
 
 from ..presets import PRESETS, Preset
 
 FLAGS = {"0": False, "1": True}  # as links have them
 
-SPEEDS = {
-    "1 in 2 s": 0.5,
-    "1 a second": 1.0,
-    "2 a second": 2.0,
-    "4 a second": 4.0,
-    "10 a second": 10.0,
-    "all it can": 0.0,
-}  # motions a second; 0 is as fast as it computes
+SPEEDS = {  # motions a second; 0 is as fast as it computes
+    "1 in 2 s": 0.5, "1 a second": 1.0, "2 a second": 2.0, "4 a second": 4.0, "10 a second": 10.0, "all it can": 0.0,
+}  # fmt: skip
 NO_POINT = "none"
 
 
@@ -168,19 +166,54 @@ def presets_from(asked: Settings) -> dict[str, Preset]:
     return {preset.name: preset for preset in (begun, *PRESETS)}
 
 
+@lru_cache(64)
+def usual(preset: Preset) -> Settings:
+    """Return the settings of a preset as a session has them, with the postures of its scene."""
+    return complete(preset.settings)
+
+
 class Presets:
     """Which a page offers, by name, and which it has begun with last. asked: by the command line."""
 
     def __init__(self, asked: Settings):
         self.offered = presets_from(asked)
         self.chosen = next(iter(self.offered.values()))
-        self._complete: tuple[Preset, Settings] | None = None  # those of the chosen one, as a session has them
+        self.pictured = {name for name, preset in self.offered.items() if preset.settings.sensor == "rendered"}
 
-    def differ(self, settings: Settings) -> bool:
-        """Whether a session's settings are others than those of the chosen one."""
-        if self._complete is None or self._complete[0] is not self.chosen:
-            self._complete = self.chosen, complete(self.chosen.settings)
-        return settings != self._complete[1]
+
+# Scenes that are described in full, in links: at most what a page can draw.
+
+MAX_POINTS = 64  # placed by hand, or of a layout
+MAX_LAYOUTS = 16
+MAX_TITLE = 200  # characters
+
+
+def described(place: str) -> str:
+    """Return the content of a scene file, where possible; otherwise its name."""
+    try:
+        text = scene_text(load_scene(place))
+        require_scene(text)
+        return text
+    except (OSError, ValueError):
+        return file_name(place)
+
+
+def require_scene(text: str) -> None:
+    """Raise ValueError for a description of no scene, or of one that is too large for a page."""
+    try:
+        scene = load_scene(text)
+    except ValueError as error:
+        raise ValueError(f"the link's scene cannot be shown: {' '.join(str(error).split())[:150]}") from None
+    points = max(map(len, scene.points.values()), default=0)
+    for what, count, most in (
+        ("points", points, MAX_POINTS),
+        ("layouts", len(scene.points), MAX_LAYOUTS),
+        ("letters in its title", len(scene.title), MAX_TITLE),
+    ):
+        if count > most:
+            raise ValueError(f"the link's scene has {count} {what}; {most} are the most")
+    if not scene.title.isprintable():
+        raise ValueError("the link's scene has a title that cannot be printed")
 
 
 # How a page shows its session: what its visitor and its browser have chosen, and messages.
@@ -214,9 +247,7 @@ class View:
     large: str | None = None  # of LARGE: what fills the window beside the controls
     picture: str = "Images"  # panel that is saved as a picture
     picture_as: str = "SVG"
-    truth: bool = (
-        True  # whether the scene shows what only the viewer knows; hidden before a class until it is asked for
-    )
+    truth: bool = True  # whether what only the viewer knows is shown; hidden before a class until it is asked for
     unseen: frozenset[str] = frozenset()  # tabs that are not open, or WINDOW where nobody sees any of the page
 
     def on(self, switch: str) -> bool:

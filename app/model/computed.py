@@ -22,14 +22,12 @@ from ..drawing import duel as drawing
 from ..drawing.landscapes import draw_compared, draw_costs, draw_together, waiting
 from ..jobs.experiments import ExperimentWorker, Request, Run
 from .motions import Motions
-from .queue import CommandQueue
+from .queue import CommandQueue, Send
 
 
 class OwnLandscape:
     """Of the transfer that the visitor's learner uses: coarse at once, then fine, unless it has changed by then.
-
-    made: None before the first moment is known.
-    """
+    made: None before the first moment is known."""
 
     def __init__(self, beside: Callable[..., None]):
         self._beside = beside
@@ -90,7 +88,7 @@ class DuelLandscapes:
         asked = world, *map(landscape_key, both)
         if asked != self._asked:
             self._asked = asked
-            self._beside("duel", lambda: (world, _draw_ground(world, both)), self.take)
+            self._beside("duel", partial(_draw_ground, world, both), self.take)
 
     def take(self, made: tuple[World, str] | Exception) -> None:
         if isinstance(made, Exception):
@@ -99,11 +97,10 @@ class DuelLandscapes:
             self.html = made[1]
 
 
-def _draw_ground(world: World, both: tuple[Snapshot, Snapshot]) -> str:
+def _draw_ground(world: World, both: tuple[Snapshot, Snapshot]) -> tuple[World, str]:
     found = [made for made in (compute_landscape(world, snapshot) for snapshot in both) if made is not None]
-    if len(found) < len(both):
-        return drawing.draw_empty_ground()
-    return drawing.draw_ground(world.scene, found, both[0].theta_demo)
+    has_both = len(found) == len(both)  # else there is nothing under the plot of errors
+    return world, drawing.draw_ground(world.scene, found, both[0].theta_demo) if has_both else drawing.wrap("")
 
 
 class Basins:
@@ -158,14 +155,9 @@ def _without_start(settings: Settings) -> Settings:
     return msgspec.structs.replace(settings, start_deg=None)
 
 
-# The landscapes of all transfers instead of the one that is used: computed only while they are shown.
-
-
 class Comparison:
-    """Each transfer is asked for separately, so that the landscapes of other pages come in between.
-
-    on: whether they are to be shown; html: all of them; None while the one that is used is shown.
-    """
+    """The landscapes of all transfers, computed only while they are shown. Each is asked for separately, so that those
+    of other pages come in between. on: whether they are to be shown; html: None while the one that is used is shown."""
 
     def __init__(self, beside: Callable[..., None]):
         self._beside = beside
@@ -216,23 +208,11 @@ def _draw_compared(asked: tuple, world: World, snapshot: Snapshot, transfer: str
     return asked, draw_costs(joints, transfer, joint_uncertainty(*seen_from(world, snapshot, transfer), theta_demo))
 
 
-# What a page asks of its experiments, and what it knows of them.
-
-
 class Experiments:
-    """chosen: an experiment's name; latest: the run asked for last; runs: by experiment, its latest.
+    """What a page asks of its experiments, and what it knows of them. All look at projected points, as pictures would
+    take them hours. chosen: an experiment's name; latest: the run asked for last; runs: by experiment, its latest."""
 
-    All look at projected points, also if the page uses camera images: pictures would take them hours.
-    """
-
-    def __init__(
-        self,
-        worker: ExperimentWorker,
-        session: Session,
-        motions: Motions,
-        queue: CommandQueue,
-        send: Callable[[str, bytes], None],
-    ):
+    def __init__(self, worker: ExperimentWorker, session: Session, motions: Motions, queue: CommandQueue, send: Send):
         self._worker, self._session, self._motions = worker, session, motions
         self._queue, self._send = queue, send
         self.chosen = next(iter(EXPERIMENTS))

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.analysis.construction import Construction, construct
+from viewimit.analysis.construction import construct
 from viewimit.analysis.convergence import recent_errors_deg
 from viewimit.analysis.self_assessment import Assessment, assess
 from viewimit.analysis.trajectory import Imitation
@@ -31,7 +31,7 @@ class OnTheWay:
     has arrived."""
 
     def __init__(self):
-        self._key: tuple | None = None
+        self._key: tuple = ()
         self._looked: Snapshot | None = None  # shown last, of an arm at rest, or on its way by points
         self._heading: Snapshot | None = None  # the moment that the arm was seen at, or on its way to, last
         self._shown: Snapshot | None = None
@@ -47,23 +47,18 @@ class OnTheWay:
     def _seen(self, session: Session, theta: NDArray, moving: bool) -> tuple[Snapshot, Snapshot]:
         present = session.snapshot
         left, self._heading = self._heading, present
-        if not moving:
-            return present, present
-        if present.settings.sensor == "projected":
+        if moving and present.settings.sensor == "projected":
             looked = session.observe(theta, present)
             return looked, looked
-        if left is None or self._looked is None:
+        if not moving or left is None or self._looked is None:
             return present, present
         # a motion has begun; the arm may have rested too shortly to be drawn where it began
         looked = self._looked if left is present else left
         return looked, replace(looked, theta=theta, theta_demo=present.theta_demo)
 
 
-# A see-through arm: a posture that is looked at without a motion.
-
-
 class SeeThrough:
-    """Of one session; it goes as soon as that moves."""
+    """A see-through arm: a posture that is looked at without a motion. It goes as soon as its session moves."""
 
     def __init__(self, session: Session):
         self._session = session
@@ -93,13 +88,12 @@ class SeeThrough:
         return self._seen[1]
 
 
-# A motion that was imitated in an experiment, seen in the scene and in the images: nothing of the session moves.
-
 WORLD = "scene", "robot", "joints", "points"  # settings in which it is to be seen as it was
 
 
 class Imitated:
-    """Of one session; it goes as soon as that moves. now: s"""
+    """A motion that was imitated in an experiment, seen in the scene and in the images: nothing of the session moves,
+    and it goes as soon as that does. now: s"""
 
     def __init__(self, session: Session):
         self._session = session
@@ -127,40 +121,29 @@ class Imitated:
 
     def moment(self, now: float) -> Snapshot | None:
         """The displayed snapshot: None without an imitation, and after its end."""
-        if (
-            self._shown is None
-            or self._session.snapshot is not self._from
-            or self._frame(now) >= len(self._shown.theta)
-        ):
+        shown = self._shown
+        frame = 0 if shown is None else int(np.floor((now - self._began) / shown.step_s))
+        if shown is None or self._session.snapshot is not self._from or frame >= len(shown.theta):
             self.stop()
             return None
-        frame = self._frame(now)
         if self._seen is None or self._seen[0] != frame:
-            theta, theta_demo = self._shown.theta[frame], self._shown.theta_demo[frame]
-            seen = self._session.observe(theta, self._from, theta_demo=theta_demo)
-            self._seen = frame, seen.recovered_by(self._shown.transfer)
+            seen = self._session.observe(shown.theta[frame], self._from, theta_demo=shown.theta_demo[frame])
+            self._seen = frame, seen.recovered_by(shown.transfer)
         return self._seen[1]
 
     def describe(self) -> str:
         """A sentence on the moment that was shown last."""
         if self._shown is None or self._seen is None:
             return ""
-        step_s, last = self._shown.step_s, len(self._shown.theta) - 1
-        now, end = self._seen[0] * step_s, last * step_s
+        now, end = (frame * self._shown.step_s for frame in (self._seen[0], len(self._shown.theta) - 1))
         return f"{self._shown.name}, imitated by a frozen transfer: {now:.1f} of {end:.1f} s."
 
-    def _frame(self, now: float) -> int:
-        assert self._shown is not None
-        return int(np.floor((now - self._began) / self._shown.step_s))
-
-
-# How far the construction of the chosen point is built up, while it is shown step by step.
 
 STEP, STAYS = 2.0, 5.0  # s a step, so that its sentence can be read; s that the last one stays
 
 
 class BuildingUp:
-    """It ends by itself."""
+    """How far the construction of the chosen point is built up, while it is shown step by step; it ends by itself."""
 
     def __init__(self) -> None:
         self._began: float | None = None
@@ -185,19 +168,14 @@ class BuildingUp:
         return min(max(int((now - self._began) / STEP), 0), last)
 
 
-# What a page displays of its session at one time: its arms, and the snapshots of the images and of all else.
-
-
 @dataclass(frozen=True, eq=False)
 class Displayed:
-    """The display at one time. Drawings read it and change nothing; what they have in common is computed once.
-
-    present: the session's snapshot; image_snapshot, scene_snapshot: what the four images show, and what all else does;
-    pictures: JPEGs by view, of those that were taken; interpolated_theta: (m,) rad, where the arm is shown while it
-    moves, None where it rests; preview: what would be seen at another posture, which then is displayed too; playback: a
-    sentence on an imitation that is displayed instead of the session; stage: up to which the chosen point's
-    construction is shown, None for all of it.
-    """
+    """What a page displays at one time. Drawings read it and change nothing. present: the session's snapshot;
+    image_snapshot, scene_snapshot: what the four images show, and what all else does; pictures: JPEGs by view, of those
+    that were taken; interpolated_theta: (m,) rad, where the arm is shown while it moves, None where it rests; preview:
+    what would be seen at another posture, which then is displayed too; playback: a sentence on an imitation that is
+    displayed instead of the session; stage: up to which the chosen point's construction is shown, None for all of
+    it."""
 
     session: Session
     present: Snapshot
@@ -255,15 +233,9 @@ class Displayed:
         return triangulate(*self.session.world.own_cameras, self.scene_snapshot.recovered)
 
     def draw_images(self, stage: int | None = None, standing: Bodies | None = None, print_size: bool = False) -> str:
-        """Draw the four images, as HTML.
-
-        stage: up to which the chosen point's construction is shown; standing: the arms where they are, while a preview
-        is displayed; print_size: as in `viewimit.drawing.images.panel.draw_images`.
-        """
+        """Draw the four images, as HTML. stage: up to which the chosen point's construction is shown; standing: the
+        arms where they are, while a preview is displayed."""
         view, now, session = self.view, self.image_snapshot, self.session
-        construction: Construction | None = None
-        if view.chosen is not None:
-            construction = construct(now, view.chosen)
         before = session.history[max(session.cursor + 1 - SPARK_MOTIONS, 0) : session.cursor + 1]
         return draw_images(
             now,
@@ -271,7 +243,7 @@ class Displayed:
             view.chosen,
             view.whole_frames,
             pictures=self.pictures,
-            construction=construction,
+            construction=None if view.chosen is None else construct(now, view.chosen),
             stage=stage,
             standing=standing,
             goal=view.goal and view.truth,
@@ -310,9 +282,7 @@ class Display:
     def at(self, now: float, shortest_motion: float, view: View) -> Displayed:
         """Return the display. shortest_motion: s; an arm that moves for less is displayed where it arrives."""
         session, eyes = self._session, self._session.eyes
-        theta, moving = self._player.theta(now)
-        if self._player.runners[0].duration < shortest_motion:
-            theta, moving = session.snapshot.theta, False
+        theta, moving = self._player.runners[0].theta(now, shortest_motion)
         looked, shown = self._on_the_way.of(session, theta, moving)
         played, preview = self.playback.moment(now), self.preview.moment
         last = last_stage(TRANSFERS[session.settings.transfer].crosses_lines)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import Any
 
 import msgspec
 from numpy.typing import NDArray
@@ -26,9 +27,7 @@ METHOD = {"transfer", "servo"}
 
 
 class UndoableSession:
-    """A session whose changes can be undone.
-
-    settings: of its first session; in_new_world(): called after the world was replaced or the session restarted."""
+    """A session whose changes can be undone. in_new_world(): called after the world was replaced, or it restarted."""
 
     def __init__(self, settings: Settings, camera: CameraProcess, in_new_world: Callable[[], None]):
         self._in_new_world, opener = in_new_world, eyes_beside(camera)
@@ -72,10 +71,8 @@ class UndoableSession:
         self.player.settle()
 
     def rehearse(self) -> None:
-        """Let the learner observe its own body for some motions, and then imitate.
-
-        Raises ValueError, and changes nothing, if its servo does not use a rehearsal.
-        """
+        """Let the learner observe its own body for some motions, and then imitate. Raises ValueError, and changes
+        nothing, if its servo does not use a rehearsal."""
         servo = SERVOS[self.session.settings.servo]
         if not servo.predicts:
             raise ValueError(f"{servo.title} makes no use of a rehearsal; choose {_able()}")
@@ -162,10 +159,8 @@ class UndoEntry:
 
 
 class UndoStack:
-    """Former states of all sessions that a player steps, the newest last.
-
-    Undo restores the newest one at the motion where it ended, as it goes back one motion elsewhere.
-    """
+    """Former states of all sessions that a player steps, the newest last. Undo restores that at the motion where it
+    ended, as it goes back one motion elsewhere."""
 
     def __init__(self, player: Player, presets: Presets) -> None:
         self._player, self._presets = player, presets
@@ -188,7 +183,7 @@ class UndoStack:
     def push_branch(self) -> None:
         """Push the present state if a next motion would replace later ones."""
         if any(session.cursor < len(session.history) - 1 for session in self._player.sessions):
-            self._keep(self._entry(tuple(map(_run, self._player.sessions)), self._player.cursor))
+            self._keep(tuple(map(_run, self._player.sessions)), self._player.cursor, *self._now)
 
     @contextmanager
     def recording_undo(self, whole: bool = False) -> Iterator[None]:
@@ -197,20 +192,20 @@ class UndoStack:
         # a restart replaces these objects
         histories = [(session.history, session.cursor, session.log) for session in sessions]
         branches = any(cursor < len(history) - 1 for history, cursor, _log in histories)
-        runs = tuple(map(_run, sessions)) if branches else None
-        before = self._entry((), 0)
+        runs, now = tuple(map(_run, sessions)) if branches else None, self._now
         yield
-        if sessions[0].history is not histories[0][0]:
-            if whole or len(histories[0][0]) > 1:
-                runs = runs or tuple((tuple(snapshots), cursor, log) for snapshots, cursor, log in histories)
-                self._keep(replace(before, runs=runs))
-        elif runs is not None:
-            self._keep(replace(before, runs=runs, at=max(session.cursor for session in sessions)))
+        if sessions[0].history is histories[0][0]:
+            if runs is not None:
+                self._keep(runs, self._player.cursor, *now)
+        elif whole or len(histories[0][0]) > 1:
+            self._keep(runs or tuple((tuple(history), cursor, log) for history, cursor, log in histories), 0, *now)
 
-    def _entry(self, runs: tuple[Run, ...], at: int) -> UndoEntry:
-        return UndoEntry(runs, at, self._presets.chosen, self._player.speed)
+    @property
+    def _now(self) -> tuple[Preset, float]:
+        return self._presets.chosen, self._player.speed
 
-    def _keep(self, entry: UndoEntry) -> None:
+    def _keep(self, *fields: Any) -> None:
+        entry = UndoEntry(*fields)
         newest = self._entries[-1] if self._entries else None
         if newest is None or newest.at != entry.at or newest.runs[0][0] != entry.runs[0][0]:
             self._entries = [*self._entries[1 - MAX_ENTRIES :], entry]
@@ -220,12 +215,9 @@ def _run(session: Session) -> Run:
     return tuple(session.history), session.cursor, session.log.copy()
 
 
-# The self-observations of a learner before it imitates, in words
-
-
 class Rehearsal:
-    """Of a session at the moment that is shown. seen: postures that the learner remembers; to_go: in which it is still
-    to watch itself."""
+    """The self-observations of a learner before it imitates, in words. seen: postures that it remembers; to_go: in
+    which it is still to watch itself."""
 
     def __init__(self, session: Session):
         now = self._now = session.snapshot

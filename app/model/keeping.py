@@ -1,10 +1,11 @@
-"""A page written as a query, for others and for its own tab; a page made of what was played; and what its tab keeps."""
+"""A page written as a query, for others, for its own tab and for the lab; and what its tab keeps."""
 
-from collections.abc import Callable
-from contextlib import nullcontext
-from dataclasses import replace
+from collections.abc import Callable, Iterable
+from urllib.parse import urlencode
 
 import msgspec
+import numpy as np
+from numpy.typing import NDArray
 
 from viewimit.analysis.trajectory import encode_motion
 from viewimit.drawing.export.panels import largest_residual
@@ -12,24 +13,31 @@ from viewimit.loop import link
 from viewimit.loop.embodiment import to_degrees
 from viewimit.loop.script import Script
 from viewimit.loop.session import Session
-from viewimit.loop.settings import Settings
+from viewimit.loop.settings import DISTURBANCES, Settings
+from viewimit.loop.snapshot import Snapshot
+from viewimit.sensing.files import file_name
 
-from .choices import SWITCHES, Preset, View
-from .link import VERSUS, Played, described, nearest, usual
+from ..lab.recording import lab_methods, lacks
+from ..presets import LAB_PRESETS
+from .choices import PRESETS, SWITCHES, Preset, View, described, usual
+from .link import VERSUS
 from .page_model import PageModel, Redraw
 
 MAX_READABLE = 6_000  # characters of a query, above which its script is packed
 FOR_PAGE = 200  # characters that the page's own fields may take
 MESSAGE_STAYS = 30.0  # s
-FROM_LINK = "From a link"
-BODIES = ("scene", "robot", "joints", "body_points")  # settings of which a preset's sentence speaks
+
+
+def told(place: str) -> str:
+    """Return how a link names a scene or a robot: a scene file by its content, any other file by its name."""
+    return described(place) if place.lower().endswith(".toml") else file_name(place)
 
 
 def share_link(model: PageModel, hides: bool = False) -> str:
     """Return the query that opens what a page shows. hides: no posture can be read in it. Raises ValueError."""
-    script = model.session.script.renamed(described)
+    script = model.session.script.renamed(told)
     opponent = model.duel.opponent
-    other = None if opponent is None else opponent.script.renamed(described)
+    other = None if opponent is None else opponent.script.renamed(told)
     return link.joined(_pairs(model, script, other, hides) + _view_pairs(model))
 
 
@@ -37,12 +45,12 @@ def tab_link(model: PageModel) -> tuple[str, str]:
     """Return the query that a page's tab keeps, and why it does not hold all of the page; "" if it does."""
     session, why, extra = model.session, "", list[tuple[str, str]]()
     try:
-        script = session.log.script(session.history[-1].motion).renamed(described)
+        script = session.log.script(session.history[-1].motion).renamed(told)
     except ValueError as error:
         script, why = _posture_alone(session), str(error)
     opponent = model.duel.opponent
     try:
-        other = None if opponent is None or why else opponent.log.script(opponent.history[-1].motion).renamed(described)
+        other = None if opponent is None or why else opponent.log.script(opponent.history[-1].motion).renamed(told)
     except ValueError:
         other = None
     if model.view.dark is not None:
@@ -66,7 +74,7 @@ def _pairs(
     model: PageModel, script: Script, opponent: Script | None, hides: bool = False, motion: bytes | None = None
 ) -> list[tuple[str, str]]:
     """The fields of the preset and of the scripts. Raises ValueError if they are too long."""
-    preset = model.preset if model.preset.key else nearest(script.settings)
+    preset = model.preset if model.preset.key else _nearest(script.settings)
     base = usual(preset)
     pairs = [("preset", preset.key), *_said(script, base, hides, motion)]
     if opponent is not None:
@@ -74,6 +82,16 @@ def _pairs(
     if len(link.joined(pairs)) > link.MAX_LINK - FOR_PAGE:
         raise ValueError(f"too much was done for a link of {link.MAX_LINK} characters. Save a replay instead")
     return pairs
+
+
+def _nearest(settings: Settings) -> Preset:
+    """Return the preset with a key from which settings differ least."""
+    differing = lambda preset: _differing(Settings.__struct_fields__, usual(preset), settings)
+    return min((preset for preset in PRESETS if preset.settings.sensor == settings.sensor), key=differing)
+
+
+def _differing(fields: Iterable[str], one: Settings, other: Settings) -> int:
+    return sum(getattr(one, name) != getattr(other, name) for name in fields)
 
 
 def _said(script: Script, base: Settings, hides: bool, motion: bytes | None = None) -> list[tuple[str, str]]:
@@ -102,50 +120,7 @@ def _posture_alone(session: Session) -> Script:
     """The script of a session that begins where this one is."""
     now = session.snapshot
     start, demo = to_degrees(now.commanded), to_degrees(now.theta_demo)
-    return Script(msgspec.structs.replace(now.settings, start_deg=start, demonstrator_deg=demo)).renamed(described)
-
-
-def become(model: PageModel, played: Played, now: float) -> None:
-    """Make a page what was played. Undo goes back to the page before a link.
-
-    Raises ValueError, and changes nothing, if it could not be played.
-    """
-    page = played.page
-    if played.error is not None or not played.sessions:
-        why = str(played.error) or type(played.error).__name__
-        if not played.is_own:
-            raise ValueError(f"the link cannot be followed: {why}")
-        try:  # without its steps, and without camera images, which may be in use by others
-            model.undoable.begin_like(page.last_settings)
-        except ValueError:
-            raise ValueError(f"what this tab has kept cannot be restored, so the session begins again: {why}") from None
-        model.undoable.after_restart()
-        model.say(f"Only the settings of this tab's session are back: {why}.", now + MESSAGE_STAYS)
-        return
-    model.player.pause()
-    with nullcontext() if played.is_own else model.past.recording_undo(whole=True):
-        first = played.sessions[0]
-        model.session.resume(tuple(first.history), first.cursor, first.log)
-    if played.is_own:
-        model.past.clear()
-    begun = page.script.settings
-    same = [preset for preset in (page.preset, *model.presets.offered.values()) if usual(preset) == begun]
-    model.presets.chosen = same[0] if same else page.preset
-    if any(getattr(begun, name) != getattr(usual(page.preset), name) for name in BODIES) and not same:
-        model.presets.chosen = Preset(FROM_LINK, begun, page.speed, "As it was sent.")
-    model.player.speed = page.speed
-    model.tour_offered = model.tour_offered and page.offers_tour
-    dark = model.view.dark if page.dark is None else page.dark
-    chosen = largest_residual(model.session.snapshot) if page.chosen == -1 else page.chosen
-    model.view = replace(model.view, chosen=chosen, dark=dark, **page.show)
-    model.undoable.after_restart()
-    for opponent in played.sessions[1:]:
-        model.duel.resume(opponent)
-    if page.motion is not None:
-        try:
-            model.motions.load(page.motion)
-        except ValueError as error:
-            model.say(f"The recorded motion is not back: {error}.", now + MESSAGE_STAYS)
+    return Script(msgspec.structs.replace(now.settings, start_deg=start, demonstrator_deg=demo)).renamed(told)
 
 
 SEND_EVERY = 1.0  # s, on average
@@ -160,10 +135,8 @@ class Kept(msgspec.Struct):
 
 
 class Keeper:
-    """Sends a page's tab the query that it stores, after the tab has handed back the one that it had.
-
-    send: takes `Kept` as JSON.
-    """
+    """Sends a page's tab the query that it stores, after the tab has handed back the one that it had. send: takes
+    `Kept` as JSON."""
 
     def __init__(self, model: PageModel, send: Callable[[str], None]):
         self._model, self._send = model, send
@@ -201,3 +174,58 @@ class Keeper:
             *(getattr(view, name) for name in ("chosen", "dark", *SWITCHES)), model.tour_offered,
             model.motions.recorded, None if opponent is None else opponent.snapshot,
         )  # fmt: skip
+
+
+# The address at which the lab opens in a session's state, as app/lab/view/address.js reads it.
+
+TOLD = {  # fields that the address carries, or that are told by what they do
+    "scene", "robot", "joints", "body_points", "points", "demonstrator_deg", "start_deg", "transfer", "servo",
+    "noise_px", "missing", "seed", "rectify", "sensor",
+}  # fmt: skip
+DIGITS = 2  # of an angle in degrees
+
+
+def lab_address(now: Snapshot) -> str | None:
+    """Return the lab's path and fragment for a moment; None for a scene that the lab does not have. A servo or a
+    transfer that the lab does not have is left to its default there; `lab_lacks` says so."""
+    settings, found, methods = now.settings, _presets_of(now), lab_methods()
+    if not found or _own_bodies(now) or settings.sensor != "projected":
+        return None
+    fields = {
+        "preset": found[0].key,
+        "demo": _degrees(now.theta_demo),
+        "start": _degrees(now.theta),
+        "servo": settings.servo if settings.servo in methods.servos else None,
+        "transfer": settings.transfer if settings.transfer in methods.transfers else None,
+        "points": settings.points,
+        "noise": settings.noise_px,
+        "missing": settings.missing,
+        "seed": settings.seed,
+    }
+    return "/lab#" + urlencode({name: value for name, value in fields.items() if value is not None}, safe=",")
+
+
+def lab_lacks(now: Snapshot) -> list[str]:
+    """Say what of a moment the lab's address cannot carry, each in a few words."""
+    scene = [] if _presets_of(now) else ["this scene"]
+    usual = Settings.paper()
+    fields = (name for name in usual.__struct_fields__ if name not in TOLD and name not in DISTURBANCES)
+    other = [name.replace("_", " ") for name in fields if getattr(now.settings, name) != getattr(usual, name)]
+    lacking = lacks(now.settings, now.method.title, now.servo.title, now.rectification is not None)
+    return [*scene, *_own_bodies(now), *lacking, *other]
+
+
+def _presets_of(now: Snapshot) -> list[Preset]:
+    """The lab's presets of a moment's scene, the one of the most equal settings first."""
+    there = [preset for preset in LAB_PRESETS if preset.settings.scene == now.settings.scene]
+    fields = ("transfer", "servo", "points", "noise_px", "missing")
+    return sorted(there, key=lambda one: _differing(fields, one.settings, now.settings))
+
+
+def _own_bodies(now: Snapshot) -> list[str]:
+    own = {"robot": "this robot", "joints": "these joints", "body_points": "these points"}
+    return [words for field, words in own.items() if getattr(now.settings, field) is not None]
+
+
+def _degrees(theta: NDArray[np.float64]) -> str:
+    return ",".join(f"{angle:g}" for angle in np.degrees(theta).round(DIGITS))

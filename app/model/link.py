@@ -6,10 +6,9 @@ a duel the opponent's own query; and for the tab alone, the colours and whether 
 
 import math
 import time
-from collections.abc import Callable, Container, Iterator
+from collections.abc import Callable, Container, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 import msgspec
 import numpy as np
@@ -20,24 +19,33 @@ from viewimit.loop.history import MAX_HISTORY
 from viewimit.loop.script import Begin, ChangeSettings, MoveDemonstrator, Script
 from viewimit.loop.session import Session
 from viewimit.loop.settings import OWN, Settings, convert_fields
-from viewimit.loop.simulated_robot import complete
 from viewimit.sensing.files import file_name, is_text
 from viewimit.simulation.robot import robot_names
-from viewimit.simulation.scene import load_scene, scene_names
-from viewimit.simulation.scene_writing import scene_text
+from viewimit.simulation.scene import scene_names
 
 from ..jobs.camera_images import CameraProcess, eyes_beside
-from .choices import FLAGS, PRESETS, SPEEDS, SWITCHES, Preset, View, presets_from
+from .choices import (
+    FLAGS,
+    MAX_POINTS,
+    PRESETS,
+    SPEEDS,
+    SWITCHES,
+    Preset,
+    View,
+    described,
+    presets_from,
+    require_scene,
+    usual,
+)  # fmt: skip
 from .player import DENSE
 from .queue import UNFINISHED, CommandQueue
 from .services import Services
 
 MAX_FRAMES = 100  # images averaged in each observation
-MAX_POINTS = 64  # placed by hand, or of a layout
-MAX_LAYOUTS = 16
-MAX_TITLE = 200  # characters
 MAX_SCENES = 16  # described in full
 BOUNDED = {"scene", "robot", "transfer", "servo", "body_points", "frames", "sensor"}  # settings, by `require_allowed`
+SPEEDS_BY_NAME = {f"{speed:g}": speed for speed in SPEEDS.values()}
+T = TypeVar("T")
 VERSUS = "versus"  # the opponent's query
 OF_PAGE = ("preset", link.PACKED, "at", "speed", "point", VERSUS, "dark", "tour", *SWITCHES)
 EARLIER = "s"  # field of links of version 0.2
@@ -82,11 +90,8 @@ class Linked(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def read_link(query: str, begun: Settings) -> Linked:
-    """Read a query.
-
-    begun: what the server was started with, whose scene file a link may name, and against which a link without a preset
-    is read. Raises ValueError, in one line, for what is not understood or not allowed.
-    """
+    """Read a query. begun: what the server was started with, whose scene file a link may name, and against which a link
+    without a preset is read. Raises ValueError, in one line, for what is not understood or not allowed."""
     pairs = link.split(query)
     page, script_pairs = dict[str, str](), list[tuple[str, str]]()
     for name, text in pairs:
@@ -98,7 +103,9 @@ def read_link(query: str, begun: Settings) -> Linked:
             raise ValueError(f"the link has {name!r} twice")
         else:
             page[name] = text
-    own = {name(place): place for place in (begun.scene, begun.robot) if place for name in (file_name, described)}
+    own = {file_name(place): place for place in (begun.scene, begun.robot) if place}
+    if begun.scene.lower().endswith(".toml"):
+        own[described(begun.scene)] = begun.scene
     preset = _preset(page.get("preset"), begun)
     base = usual(preset)
     share = 2 if VERSUS in page else 1
@@ -114,12 +121,13 @@ def read_link(query: str, begun: Settings) -> Linked:
         script=scripts[0],
         opponent=scripts[1] if len(scripts) > 1 else None,
         preset=preset,
-        speed=_speed(page["speed"]) if "speed" in page else preset.motions_per_second,
+        speed=_chosen("speed", page["speed"], SPEEDS_BY_NAME) if "speed" in page else preset.motions_per_second,
         at=_number("at", page["at"], MAX_HISTORY) if "at" in page else MAX_HISTORY,
         chosen=_point(page.get("point")),
-        show={name: getattr(View(), name) for name in SWITCHES} | {n: _flag(n, page[n]) for n in SWITCHES if n in page},
-        dark=_flag("dark", page["dark"]) if "dark" in page else None,
-        offers_tour=_flag("tour", page.get("tour", "1")),
+        show={name: getattr(View(), name) for name in SWITCHES}
+        | {n: _chosen(n, page[n], FLAGS) for n in SWITCHES if n in page},
+        dark=_chosen("dark", page["dark"], FLAGS) if "dark" in page else None,
+        offers_tour=_chosen("tour", page.get("tour", "1"), FLAGS),
         motion=motion,
     )
 
@@ -134,26 +142,6 @@ def _script(packed: str | None, pairs: link.Pairs, base: Settings, share: int) -
     return found.script, found.motion
 
 
-@cache
-def _completed(settings: Settings) -> Settings:
-    return complete(settings)
-
-
-def usual(preset: Preset) -> Settings:
-    """Return the settings of a preset with the postures of its scene, against which links are said."""
-    return _completed(preset.settings)
-
-
-def nearest(settings: Settings) -> Preset:
-    """Return the preset with a key from which settings differ least."""
-
-    def differing(preset: Preset) -> int:
-        base = usual(preset)
-        return sum(getattr(settings, name) != getattr(base, name) for name in Settings.__struct_fields__)
-
-    return min((preset for preset in PRESETS if preset.settings.sensor == settings.sensor), key=differing)
-
-
 def _preset(key: str | None, begun: Settings) -> Preset:
     if key is None:
         return next(iter(presets_from(begun).values()))
@@ -163,10 +151,9 @@ def _preset(key: str | None, begun: Settings) -> Preset:
     return offered[key]
 
 
-def _speed(text: str) -> float:
-    offered = {f"{speed:g}": speed for speed in SPEEDS.values()}
+def _chosen(name: str, text: str, offered: Mapping[str, T]) -> T:
     if text not in offered:
-        raise ValueError(f"the link's speed must be one of {', '.join(offered)}, got {text[:40]!r}")
+        raise ValueError(f"the link's {name} must be one of {', '.join(offered)}, got {text[:40]!r}")
     return offered[text]
 
 
@@ -174,28 +161,10 @@ def _point(text: str | None) -> int | None:
     return None if text == "none" else -1 if text is None else _number("point", text, 1_000)
 
 
-def _flag(name: str, text: str) -> bool:
-    if text not in FLAGS:
-        raise ValueError(f"the link's {name} is neither 0 nor 1: {text[:40]!r}")
-    return FLAGS[text]
-
-
 def _number(name: str, text: str, most: int) -> int:
     if not (text.isascii() and text.isdecimal() and len(text) < 8 and int(text) <= most):
         raise ValueError(f"the link's {name} must be a whole number up to {most}, got {text[:40]!r}")
     return int(text)
-
-
-def described(place: str) -> str:
-    """Return a scene file's content, where possible; otherwise its name, as of anything that is no scene file."""
-    if not place.lower().endswith(".toml"):
-        return file_name(place)
-    try:
-        text = scene_text(load_scene(place))
-        _require_scene(text)
-        return text
-    except (OSError, ValueError):
-        return file_name(place)
 
 
 def files_named(script: Script) -> list[str]:
@@ -234,7 +203,7 @@ def require_allowed(scripts: list[Script], begun: Settings) -> None:
     if len(texts) > MAX_SCENES:
         raise ValueError(f"the link describes {len(texts)} scenes; {MAX_SCENES} are the most")
     for text in texts:
-        _require_scene(text)
+        require_scene(text)
 
 
 def _require_names(settings: Settings, scenes: Container[str], robots: Container[str | None]) -> None:
@@ -253,24 +222,6 @@ def _require_names(settings: Settings, scenes: Container[str], robots: Container
         raise ValueError("the link has an angle that is no number")
 
 
-def _require_scene(text: str) -> None:
-    """At most what a page can draw."""
-    try:
-        scene = load_scene(text)
-    except ValueError as error:
-        raise ValueError(f"the link's scene cannot be shown: {' '.join(str(error).split())[:150]}") from None
-    points = max(map(len, scene.points.values()), default=0)
-    for what, count, most in (
-        ("points", points, MAX_POINTS),
-        ("layouts", len(scene.points), MAX_LAYOUTS),
-        ("letters in its title", len(scene.title), MAX_TITLE),
-    ):
-        if count > most:
-            raise ValueError(f"the link's scene has {count} {what}; {most} are the most")
-    if not scene.title.isprintable():
-        raise ValueError("the link's scene has a title that cannot be printed")
-
-
 # Its scripts are played beside the page, which then becomes what they lead to.
 
 TURN_S = 0.02  # of one page's scripts, before those of the next have their turn
@@ -279,10 +230,8 @@ MAX_S = 30.0  # that scripts may take
 
 @dataclass(eq=False)
 class Played:
-    """What a link holds, and its sessions as far as they are played.
-
-    is_own: it is what the page's own tab has kept; camera: renders the pictures; error: why they are not played.
-    """
+    """What a link holds, and its sessions as far as they are played. is_own: it is what the page's own tab has kept;
+    camera: renders the pictures; error: why they are not played."""
 
     page: Linked
     is_own: bool
@@ -314,11 +263,8 @@ class Played:
 
 
 class Following:
-    """The saved page that a page becomes, if any.
-
-    goes_on: a script is still played; restores: it is what the page's own tab has kept, before which nothing else
-    counts.
-    """
+    """The saved page that a page becomes, if any. goes_on: a script is still played; restores: it is what the page's
+    own tab has kept, before which nothing else counts."""
 
     def __init__(self, services: Services, queue: CommandQueue):
         self._services, self._queue = services, queue

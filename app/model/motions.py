@@ -22,7 +22,7 @@ from viewimit.analysis.trajectory import (
 from viewimit.loop.session import Session
 from viewimit.simulation.scene import Scene
 
-from .queue import RunInBackground
+from .queue import RunInBackground, Send
 
 RECORDED = "recorded"  # a motion's name
 TITLES = {"sinusoid": "sinusoid", "circle": "circle of the hand", RECORDED: "recorded"}
@@ -32,27 +32,16 @@ FILE = "viewimit-motion.json"
 
 
 class Motions:
-    """A made-up motion goes about the posture that the demonstrator has.
-
-    pose(theta): moves the demonstrator; run_in_background(make, take): make what takes long, then take it in the page's
-    own time; send(name, data): a file for the visitor.
-    """
+    """A made-up motion goes about the posture that the demonstrator has. pose(theta): moves the demonstrator;
+    run_in_background(make, take): make what takes long, then take it in the page's own time; send(name, data): a file
+    for the visitor."""
 
     def __init__(
-        self,
-        session: Session,
-        pose: Callable[[NDArray], None],
-        run_in_background: RunInBackground,
-        send: Callable[[str, bytes], None],
+        self, session: Session, pose: Callable[[NDArray], None], run_in_background: RunInBackground, send: Send,
         clock: Callable[[], float] = time.monotonic,
-    ):
-        self._session, self._pose, self._run_in_background, self._send, self._clock = (
-            session,
-            pose,
-            run_in_background,
-            send,
-            clock,
-        )
+    ):  # fmt: skip
+        self._session, self._pose, self._clock = session, pose, clock
+        self._run_in_background, self._send = run_in_background, send
         self.name = next(iter(NAMES))
         self.recorded: Motion | None = None
         self.recorder: Recorder | None = None
@@ -73,25 +62,25 @@ class Motions:
     @property
     def moment(self) -> tuple[float, float]:
         """The time that is shown, and when the motion ends, s; the time is one of a frame."""
-        if self.shown is not None:
-            return _seconds(round(self.shown.frame), self.step_s), _seconds(self.shown.last, self.step_s)
-        if self.name == RECORDED and self.recorded is not None:
-            return 0.0, _seconds(len(self.recorded.theta_deg) - 1, self.step_s)
-        return 0.0, _seconds(FRAMES - 1, self.step_s)
+        frame = 0 if self.shown is None else round(self.shown.frame)
+        last = FRAMES - 1 if (known := self._known) is None else len(known.theta_deg) - 1
+        return round(frame * self.step_s, 6), round(last * self.step_s, 6)  # without what multiplication adds
 
     @property
     def step_s(self) -> float:
         """Between two frames of the chosen motion."""
-        if self.shown is not None:
-            return self.shown.motion.step_s
-        return self.recorded.step_s if self.name == RECORDED and self.recorded is not None else STEP_S
+        return STEP_S if (known := self._known) is None else known.step_s
+
+    @property
+    def _known(self) -> Motion | None:
+        """The chosen motion; None for one that is still to be made."""
+        return self.shown.motion if self.shown is not None else self.recorded if self.name == RECORDED else None
 
     def describe(self) -> tuple[str, str]:
         """State and sentence, as the line under the scene has them."""
         if self.recorder is not None:
-            if self.recorder.seconds == 0:
-                return "recording", "move the demonstrator by its sliders or its hand."
-            return "recording", f"{self.recorder.seconds:.1f} s of the demonstrator's motion."
+            waits = "move the demonstrator by its sliders or its hand."
+            return "recording", f"{s:.1f} s of the demonstrator's motion." if (s := self.recorder.seconds) else waits
         if (played := self._played) is not None:
             now, last = self.moment
             return "replaying", f"{self._title(played.motion)}, {now:.1f} of {last:.1f} s."
@@ -147,13 +136,12 @@ class Motions:
         self._require_no_recording()
         if (played := self._played) is not None:
             played.pause()
-            return
+        else:
+            self._with_motion(self._go_on)
 
-        def go(shown: Playback) -> None:
-            shown.play(self._clock())
-            self._show(shown)
-
-        self._with_motion(go)
+    def _go_on(self, shown: Playback) -> None:
+        shown.play(self._clock())
+        self._show(shown)
 
     def scrub(self, seconds: float) -> None:
         """Show the frame at that time."""
@@ -235,16 +223,9 @@ class Motions:
             raise ValueError("a motion is being recorded: stop that first")
 
 
-def _seconds(frame: int, step_s: float) -> float:
-    """Without what multiplication adds."""
-    return round(frame * step_s, 6)
-
-
-# Recording and replaying in real time. `now`: any clock, s
-
-
 class Recorder:
-    """Postures of the demonstrator as they are sampled, and when. The motion begins with the first movement."""
+    """Postures of the demonstrator as they are sampled, and when, in real time. The motion begins with the first
+    movement. now: any clock, s"""
 
     def __init__(self, scene: Scene, theta: NDArray, now: float):
         self._scene = scene

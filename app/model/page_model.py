@@ -15,14 +15,14 @@ from viewimit.drawing.export.perspective import Viewpoint
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
 
-from .choices import Freedom, Message, Preset, View
+from .choices import Freedom, Message, Preset, View, usual
 from .computed import Basins, Comparison, DuelLandscapes, Experiments, OwnLandscape
 from .displayed import Display, Displayed
 from .editing import UndoableSession
 from .link import Following
 from .motions import Motions
 from .points import NOT_EDITED, PointEditing
-from .queue import CommandQueue
+from .queue import CommandQueue, Send
 from .services import Services
 
 
@@ -34,21 +34,12 @@ class Saved(NamedTuple):
 
 
 class PageModel:
-    """settings: what its session begins with; send(name, data): a file for the visitor.
+    """settings: what its session begins with; send(name, data): a file for the visitor. generation: how often the world
+    was replaced or the session restarted; inputs: how many of the visitor's commands were applied or rejected, after
+    each of which widgets are written again; tour_offered: to a first visitor; eye(): that looks at the 3-D scene, as
+    the page knows it; is_kept: the page's tab keeps what it is sent of it; unsaved: whether the tab cannot keep it."""
 
-    generation: how often the world was replaced or the session restarted; inputs: how many of the visitor's commands
-    were applied or rejected, after each of which widgets are written again;
-    tour_offered: to a first visitor; eye(): that looks at the 3-D scene, as the page knows it;
-    is_kept: the page's tab keeps what it is sent of it; unsaved: whether the tab cannot keep it.
-    """
-
-    def __init__(
-        self,
-        settings: Settings,
-        services: Services,
-        queue: CommandQueue,
-        send: Callable[[str, bytes], None],
-    ):
+    def __init__(self, settings: Settings, services: Services, queue: CommandQueue, send: Send):
         self.begun, self.send = settings, send
         self.undoable = UndoableSession(settings, services.camera, self._show_new_world)
         self.session, self.player, self.duel = self.undoable.session, self.undoable.player, self.undoable.duel
@@ -89,7 +80,7 @@ class PageModel:
     @property
     def modified(self) -> bool:
         """Whether the settings are others than the preset's."""
-        return self.presets.differ(self.session.settings)
+        return self.session.settings != usual(self.presets.chosen)
 
     def show(self, **fields: Any) -> None:
         """Change fields of the view."""
@@ -156,10 +147,8 @@ class Redraw:
         self._at: dict[Hashable, float] = {}
 
     def due(self, what: Hashable, now: float, period: float) -> bool:
-        """Return whether a period, s, has passed since this was last due.
-
-        A call late by less than a period does not delay those after it.
-        """
+        """Return whether a period, s, has passed since this was last due. A call late by less than a period does not
+        delay those after it."""
         at = self._at.get(what, -np.inf)
         if now - at < EARLY * period:
             return False

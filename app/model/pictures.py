@@ -17,10 +17,8 @@ from viewimit.drawing.export.figures import (
     can_render,
     can_typeset,
     draw_claims,
-    encode,
     four_images,
     overlay,
-    require_typesetter,
     stack,
     typeset_equations,
 )
@@ -40,15 +38,10 @@ SPACE = "3-D view"  # as FIGURES
 
 
 class Picture(NamedTuple):
-    """draw(): beside the page; citation: None for that of the page's session."""
+    """figure: drawn, or what draws it beside the page; citation: None for that of the page's session."""
 
-    draw: Callable[[], Figure]
+    figure: Figure | Callable[[], Figure]
     citation: Citation | None = None
-
-    @classmethod
-    def of(cls, figure: Figure, citation: Citation | None = None) -> "Picture":
-        """That is drawn already."""
-        return cls(lambda: figure, citation)
 
 
 def save_replay(model: PageModel) -> None:
@@ -69,26 +62,24 @@ def save_picture(model: PageModel, now: float) -> None:
     else:
         picture = FIGURES[what](model)
     if form == "PNG" and not can_render():
-        encode("", ".png")  # which says what is missing
+        raise ValueError(NO_PNG)
     citation = picture.citation or cite(session, model.snapshot.motion)
-    model.send_made("picture", partial(_saved, name, form, picture.draw, citation))
+    model.send_made("picture", partial(_saved, name, form, picture.figure, citation))
 
 
 def lacking() -> str:
     """Which pictures cannot be made here, and what they need; "" where all can."""
     render, typeset = can_render(), can_typeset()
-    if render and typeset:
-        return ""
     if typeset:
-        return NO_PNG
+        return "" if render else NO_PNG
     if render:
         return f"Equations need {TYPESETTER}: {INSTALL}; other pictures do not"
     return f"PNG needs {RENDERER}, Equations need {TYPESETTER}: {INSTALL}; other pictures, as SVG, need neither"
 
 
-def _saved(name: str, form: str, draw: Callable[[], Figure], citation: Citation) -> Saved:
-    picture = draw().captioned(citation, DRAWING_CSS)
-    return Saved(name, encode(picture, f".{form.lower()}", render))
+def _saved(name: str, form: str, figure: Figure | Callable[[], Figure], citation: Citation) -> Saved:
+    picture = (figure() if callable(figure) else figure).captioned(citation, DRAWING_CSS)
+    return Saved(name, render(picture) if form == "PNG" else picture.encode())
 
 
 def _images(model: PageModel) -> Picture:
@@ -96,31 +87,32 @@ def _images(model: PageModel) -> Picture:
     after = f"after {count_motions(moment.motion)}"
     if model.view.rectified:
         drawn = draw_rectified(moment, model.displayed.arms_in_images[0], True)
-        return Picture.of(stack([drawn], f"The pictures as seen and as rectified, {after}"))
-    return Picture.of(four_images(model.displayed.draw_images(print_size=True), f"The learner’s four pictures {after}"))
+        return Picture(stack([drawn], f"The pictures as seen and as rectified, {after}"))
+    return Picture(four_images(model.displayed.draw_images(print_size=True), f"The learner’s four pictures {after}"))
 
 
 def _landscape(model: PageModel) -> Picture:
     if model.comparison.html is not None:
-        return Picture.of(stack([model.comparison.html], "E over the poses of the learner, by all transfers"))
+        return Picture(stack([model.comparison.html], "E over the poses of the learner, by all transfers"))
     if model.landscape.made is None:
         raise ValueError("the landscape is not there yet")
     picture, session = model.landscape.made.picture, model.session
     path, over = picture.draw_path(session.history, session.cursor), f"over {count_motions(session.cursor)}"
-    if len(session.scene.moving_joints) != 2:
-        return Picture.of(overlay([picture.html, path], f"Joint error per pixel of noise, {over}"))
-    return Picture.of(overlay([picture.html, path], f"E over the poses of the learner, and its path {over}"))
+    is_map = len(session.scene.moving_joints) == 2
+    title = "E over the poses of the learner, and its path" if is_map else "Joint error per pixel of noise,"
+    return Picture(overlay([picture.html, path], f"{title} {over}"))
 
 
 def _curves(model: PageModel) -> Picture:
     session, made = model.session, model.landscape.made
     E_true, joints = None if made is None else made.E_true, session.scene.moving_joints
     drawn = draw_curves(session.history, session.cursor, E_true, joints, errors_deg=model.displayed.errors_deg)
-    return Picture.of(stack([drawn], f"Conflict E and joint angles over {count_motions(session.cursor)}"))
+    return Picture(stack([drawn], f"Conflict E and joint angles over {count_motions(session.cursor)}"))
 
 
 def _equations(model: PageModel) -> Picture:
-    require_typesetter()
+    if not can_typeset():
+        raise ValueError(f"a picture of equations needs {TYPESETTER}: {INSTALL}")
     text = equations_of(model.snapshot, model.view.chosen)
     title = f"The equations with their numbers after {count_motions(model.snapshot.motion)}"
     return Picture(partial(typeset_equations, text, title))
@@ -136,7 +128,7 @@ def _duel(model: PageModel) -> Picture:
     figure = overlay([model.duel_landscapes.html, race], title)
     if len(scene.moving_joints) == 2:
         figure = append_below(figure, draw_errors_alone(standings))
-    return Picture.of(figure, cited)
+    return Picture(figure, cited)
 
 
 def _experiment(model: PageModel) -> Picture:
@@ -144,17 +136,13 @@ def _experiment(model: PageModel) -> Picture:
     if run is None or run.request is None or not run.claims:
         raise ValueError("the experiment is not done yet: run it in its tab")
     figure, asked = stack([run.figure], EXPERIMENTS[run.name].title), run.request
-    text = draw_claims(run.claims)
+    text = draw_claims([(one.name, one.paper, one.here, one.tolerance, one.holds) for one in run.claims])
     cited = cite_experiment(run.name, asked.settings, asked.options.get("motion"))
-    return Picture.of(append_below(figure, text) if text else figure, cited)
+    return Picture(append_below(figure, text), cited)
 
 
 FIGURES: Mapping[str, Callable[[PageModel], Picture]] = {
-    "Images": _images,
-    "Landscape": _landscape,
-    "Curves": _curves,
-    "Equations": _equations,
-    "Duel": _duel,
-    "Experiments": _experiment,
-}
+    "Images": _images, "Landscape": _landscape, "Curves": _curves,
+    "Equations": _equations, "Duel": _duel, "Experiments": _experiment,
+}  # fmt: skip
 PICTURES = *FIGURES, SPACE

@@ -60,15 +60,11 @@ class Runner:
         """Show the present posture without a motion towards it."""
         self._motion, self.resting = None, False
 
-    @property
-    def duration(self) -> float:
-        """s that the present motion is seen for, 0 without one."""
-        return 0.0 if self._motion is None else self._motion[2]
-
-    def theta(self, now: float) -> tuple[NDArray, bool]:
-        """Where the arm is seen, (m,) rad, and whether it is on its way."""
+    def theta(self, now: float, shortest: float = 0.0) -> tuple[NDArray, bool]:
+        """Where the arm is seen, (m,) rad, and whether it is on its way. shortest: s; an arm that moves for less is
+        seen where it arrives."""
         theta = self.session.snapshot.theta
-        if self._motion is None:
+        if self._motion is None or self._motion[2] < shortest:
             return theta, False
         start, began, duration = self._motion
         share = (now - began) / duration
@@ -79,12 +75,8 @@ class Runner:
 
 
 class Player:
-    """speed: motions a second, 0 as fast as it computes; still: arms are not seen on their way. While all servos rest
-    nothing is stepped.
-
-    runners: the visitor's own first; all are stepped motion for motion, and one that rests waits for the others.
-    clock: s, by which a budget is kept.
-    """
+    """Steps runners, the visitor's own first, motion for motion; one that rests waits for the others. speed: motions a
+    second, 0 as fast as it computes; still: arms are not seen on their way."""
 
     def __init__(self, session: Session, clock: Callable[[], float] = time.monotonic):
         self.runners, self._clock = [Runner(session)], clock
@@ -169,10 +161,6 @@ class Player:
             for runner in self.runners:
                 runner.scrub(motion, None if self.still else now)
 
-    def theta(self, now: float) -> tuple[NDArray, bool]:
-        """Where the visitor's own arm is seen, (m,) rad, and whether it is on its way."""
-        return self.runners[0].theta(now)
-
     def _seen_for(self, duration: float) -> float:
         return 0.0 if self.still else duration
 
@@ -181,13 +169,9 @@ class Player:
         return [runner for runner in self.runners if not runner.resting]
 
 
-# A duel: the visitor's learner against a second one with another method, from the same start, motion for motion.
-
-
 class Duel:
-    """The opponent has the visitor's settings except for its own transfer and servo. opponent: None without
-    a duel; transfer, servo: what it has or would have, at first the paper's. opener: of the opponent's eyes.
-    """
+    """The visitor's learner against an opponent with its own transfer and servo, all other settings and the start being
+    the same. opponent: None without a duel; transfer, servo: what it has or would have; opener: of its eyes."""
 
     def __init__(self, session: Session, player: Player, opener: Callable = open_eyes):
         self._session, self._player, self._opener = session, player, opener
@@ -200,8 +184,7 @@ class Duel:
         if self.opponent is None:
             if self._settings == self._session.settings:  # a race against itself
                 self.transfer, self.servo = Settings().transfer, Settings().servo
-            self.opponent = Session(self._settings, open_eyes=self._opener, dense=DENSE)
-            self._player.runners.append(Runner(self.opponent))
+            self._add(self._settings)
             self.begin_again()
             self._player.playing = True
         else:
@@ -211,9 +194,12 @@ class Duel:
     def resume(self, other: Session) -> None:
         """Begin where another session is, which is the opponent's."""
         self.transfer, self.servo = other.settings.transfer, other.settings.servo
-        self.opponent = Session(other.settings, open_eyes=self._opener, dense=DENSE)
-        self.opponent.resume(tuple(other.history), other.cursor, other.log)
+        self._add(other.settings).resume(tuple(other.history), other.cursor, other.log)
+
+    def _add(self, settings: Settings) -> Session:
+        self.opponent = Session(settings, open_eyes=self._opener, dense=DENSE)
         self._player.runners.append(Runner(self.opponent))
+        return self.opponent
 
     def begin_again(self) -> None:
         """Both back to the start, with the settings as they are now."""
@@ -265,13 +251,8 @@ class Duel:
 def _standing(session: Session, trace: ErrorTrace) -> Standing:
     count = session.cursor + 1
     errors = trace.of(session.history)[:count]
-    since = count - 1  # the first snapshot with the demonstrator in its present posture
-    here = session.snapshot.theta_demo
-    while since and _same(session.history[since - 1].theta_demo, here):
+    since, here = count - 1, session.snapshot.theta_demo  # the first snapshot with the demonstrator where it is
+    while since and ((before := session.history[since - 1].theta_demo) is here or np.array_equal(before, here)):
         since -= 1
     arrived = next((k for k in range(since, count) if errors[k] < ARRIVED_DEG), None)
     return Standing(session.snapshot, errors, arrived)
-
-
-def _same(one: NDArray, other: NDArray) -> bool:
-    return one is other or np.array_equal(one, other)

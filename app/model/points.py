@@ -19,9 +19,10 @@ from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.scene_writing import saved_scene
 from viewimit.simulation.world import World
 
-from .queue import RunInBackground
+from .queue import RunInBackground, Send
 
 MOST_POINTS = 64
+Lay = Callable[[tuple[BodyPoint, ...]], None]
 DIGITS = 4  # of a metre
 HEADING = "Body points by hand, from viewimit's page: use it by --scene, or edit it"
 
@@ -45,13 +46,7 @@ class PointEditing:
     """Of one session. lay(points): restarts it with these; run_in_background(make, take): make what takes
     long, then take it in the page's own time; send(name, data): a file for the visitor."""
 
-    def __init__(
-        self,
-        session: Session,
-        lay: Callable[[tuple[BodyPoint, ...]], None],
-        run_in_background: RunInBackground,
-        send: Callable[[str, bytes], None],
-    ):
+    def __init__(self, session: Session, lay: Lay, run_in_background: RunInBackground, send: Send):
         self._session, self._lay, self._run_in_background, self._send = session, lay, run_in_background, send
         self.begun = False  # and not ended by the visitor
         self._asked: tuple[World, NDArray] | None = None  # for what a proposal is being made
@@ -132,17 +127,18 @@ class PointEditing:
     def shown(self) -> EditedPoints:
         """What a page shows of it; the same object until something changes."""
         now = self._session.snapshot
-        key = self.on, now if self.on else None, self.proposal, self._searching
+        if not self.on:
+            return NOT_EDITED
+        key = now, self.proposal, self._searching
         if len(self._shown[0]) != len(key) or any(one is not other for one, other in zip(key, self._shown[0])):
-            self._shown = key, self._seen(now) if self.on else NOT_EDITED
+            self._shown = key, self._seen(*key)
         return self._shown[1]
 
-    def _seen(self, now: Snapshot) -> EditedPoints:
-        world, proposal = self._session.world, self.proposal
-        information, images = point_information(world, now), None
+    def _seen(self, now: Snapshot, proposal: Proposal | None, searching: bool) -> EditedPoints:
+        world, images = self._session.world, None
         if proposal is not None:
             images = World(world.scene, robot=world.robot, body=proposal.point).look(now.theta_demo, now.theta)
-        return EditedPoints(True, information, proposal, images, self._searching)
+        return EditedPoints(True, point_information(world, now), proposal, images, searching)
 
     def save(self) -> None:
         """The scene as it is, with the points by hand alone if there are any; of a URDF no folder of the server's."""

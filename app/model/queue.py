@@ -1,28 +1,30 @@
-"""What a visitor did and what workers have made, in order, until the page's loop takes it."""
+"""Commands of a page; and what its visitor did and workers have made, in order, until its loop takes it."""
 
+import inspect
 import math
 import threading
 import traceback
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
 PENDING_LIMIT = 200  # actions that wait, per page
+NOT_TAKEN = f"more than {PENDING_LIMIT} actions wait: what came after them is not done"
 UNFINISHED = object()  # what a job returns that is to go on after those of other pages
 RunInBackground = Callable[[Callable[[], Any], Callable[[Any], None]], None]  # (make, take): take(make()), later
+Send = Callable[[str, bytes], None]  # (name, data): a file for the visitor
+Function = TypeVar("Function", bound=Callable[..., None])
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, kw_only=True)
 class Entry:
-    """An entry of a page's queue, no action of which is lost.
-
-    apply(model, now): carries it out on a `PageModel` at a time, s; raises ValueError, in words for the visitor. moves:
-    it moves, poses or observes, which takes long with camera images; order_independent: it may be applied before or
-    after any other entry, so that it need not wait; cancels: it ends the computation that others wait for;
-    coalesce_key: of entries with the same key the newest is enough, None: each counts; sender: the control that it came
-    from; camera(model): whether it will ask for camera images; is_made: by a worker, not by the visitor.
-    """
+    """An entry of a page's queue. apply(model, now): carries it out on a `PageModel` at a time, s; raises ValueError,
+    in words for the visitor. moves: it moves, poses or observes, which takes long with camera images;
+    order_independent: it may be applied before or after any other entry; cancels: it ends the computation that others
+    wait for; coalesce_key: of entries with the same key the newest is enough, None: each counts; sender: the control
+    that it came from; camera(model): whether it will ask for camera images; is_made: by a worker, not by the
+    visitor."""
 
     apply: Callable[[Any, float], None]
     moves: bool = False
@@ -34,51 +36,77 @@ class Entry:
     is_made: bool = False
 
 
-@dataclass(frozen=True, eq=False)
 class Command:
-    """A command of the page, as `commands.registry.command` declares it; panels, keys and links call it by its name.
+    """What a visitor can do; panels, keys and links call it by its name. parsers: by parameter, what a browser's value
+    stands for; each raises ValueError if it stands for none; latest: calls that differ in their last argument alone are
+    values of one control, of which the newest is enough; link: links of the drawings and the page's script may call it;
+    camera: called as `function`, whether it will ask for camera images; how: moves, order_independent, cancels, as of
+    `Entry`."""
 
-    parsers: by parameter, what a browser's value stands for; each raises ValueError if it stands for none; takes_now:
-    it is given the time, s, too; latest: calls that differ in their last argument alone are values of one control, of
-    which the newest is enough; moves, order_independent, cancels: as of `Entry`; link: links of the drawings and the
-    page's script may call it; camera: called as `function`, whether it will ask for camera images.
-    """
-
-    name: str
-    function: Callable[..., None]
-    parsers: tuple[Callable[[Any], Any], ...] = ()
-    takes_now: bool = False
-    latest: bool = False
-    moves: bool = False
-    order_independent: bool = False
-    cancels: bool = False
-    link: bool = False
-    camera: Callable[..., bool] | None = None
+    def __init__(
+        self,
+        name: str,
+        function: Callable[..., None],
+        parsers: Sequence[Callable[[Any], Any]] = (),
+        *,
+        latest: bool = False,
+        link: bool = False,
+        camera: Callable[..., bool] = lambda model, *arguments: False,
+        **how: bool,
+    ):
+        self.name, self.function, self.parsers, self.link = name, function, parsers, link
+        self._latest, self._camera, self._how = latest, camera, how
+        self._takes_now = "now" in inspect.signature(function).parameters
 
     def __call__(self, *values: Any, sender: Hashable = None) -> Entry:
         """Parse a browser's values. Raises ValueError for values that no visitor could have chosen."""
         arguments = tuple(parse(value) for parse, value in zip(self.parsers, values, strict=True))
-
-        def apply(model: Any, now: float) -> None:
-            self.function(model, *arguments, **({"now": now} if self.takes_now else {}))
-
         return Entry(
-            apply,
-            self.moves,
-            self.order_independent,
-            self.cancels,
-            (self.name, *arguments[:-1]) if self.latest else None,
-            sender,
-            lambda model: self.camera is not None and self.camera(model, *arguments),
+            apply=lambda model, now: self.function(model, *arguments, **({"now": now} if self._takes_now else {})),
+            coalesce_key=(self.name, *arguments[:-1]) if self._latest else None,
+            sender=sender,
+            camera=lambda model: self._camera(model, *arguments),
+            **self._how,
         )
+
+
+COMMANDS: dict[str, Command] = {}
+
+
+def add(name: str, function: Callable[..., None], *parsers: Callable[[Any], Any], **options: Any) -> None:
+    """Add a command of this name. options: as of `Command`. Raises ValueError for a name that is taken."""
+    if name in COMMANDS:
+        raise ValueError(f"two commands named {name!r}")
+    COMMANDS[name] = Command(name, function, parsers, **options)
+
+
+def command(name: str, **options: Any) -> Callable[[Function], Function]:
+    """Register a function of the page's model and of typed parameters as a command. What a browser sends for a
+    parameter is checked by its annotation: `int` and `float` take finite numbers, `bool` a checkbox, `str` any text,
+    and `Annotated[T, parse]` what `parse` accepts, which raises ValueError, in words for the visitor, for all else. A
+    keyword-only parameter `now` is given the time in seconds. Raises ValueError for another annotation."""
+
+    def register(function: Function) -> Function:
+        hints = get_type_hints(function, include_extras=True)
+        parameters = list(inspect.signature(function).parameters.values())[1:]  # without the model
+        given = [one.name for one in parameters if one.kind is not one.KEYWORD_ONLY]
+        add(name, function, *(_parser(name, parameter, hints.get(parameter)) for parameter in given), **options)
+        return function
+
+    return register
+
+
+def _parser(name: str, parameter: str, hint: Any) -> Callable[[Any], Any]:
+    found = get_args(hint)[1] if get_origin(hint) is Annotated else PARSERS.get(hint)
+    if found is None:
+        raise ValueError(f"command {name!r}: {parameter} needs int, float, bool, str or Annotated[type, parse]")
+    return found
 
 
 class CommandQueue:
     """Any thread puts, the scheduler takes. Of one control the newest value wins, unless an action lies between:
     "slider, then reset" and "reset, then slider" are two things; a hundred values of one dragged slider are one.
-
-    commands: by name, those that may be called.
-    """
+    commands: by name, those that may be called."""
 
     def __init__(self, commands: Mapping[str, Command]):
         self.commands = commands
@@ -86,12 +114,13 @@ class CommandQueue:
         self._waiting: list[Entry] = []
 
     def put(self, entry: Entry) -> None:
+        """Put an entry; of too many actions the last one tells that it is not done."""
         with self._lock:
             full = len(self._waiting) >= PENDING_LIMIT
+            if full and entry.coalesce_key is None:
+                entry = _refusal(NOT_TAKEN, "queue")
             if entry.coalesce_key is not None:
                 self._drop_older(entry, beyond_actions=full)
-            elif full:
-                return
             self._waiting.append(entry)
 
     def call(self, name: str, *values: Any, sender: Hashable = None) -> None:
@@ -104,16 +133,12 @@ class CommandQueue:
 
     def reject(self, why: str, sender: Hashable) -> None:
         """Put what tells the visitor that an input cannot be; of a control the newest is enough."""
-
-        def refuse(model: Any, now: float) -> None:
-            raise ValueError(why)
-
-        self.put(Entry(refuse, coalesce_key=("rejected", sender)))
+        self.put(_refusal(why, sender))
 
     def put_made(self, kind: Hashable, take: Callable[[Any], None], made: Any, **how: Any) -> None:
         """Put what a worker has made, for take(made); of a kind the newest is enough. how: as of `Entry`."""
         entry: dict[str, Any] = {"coalesce_key": ("made", kind), "is_made": True} | how
-        self.put(Entry(lambda model, now: take(made), **entry))
+        self.put(Entry(apply=lambda model, now: take(made), **entry))
 
     def put_back(self, entries: list[Entry]) -> None:
         """Put back entries that were taken and not applied, before newer ones."""
@@ -145,9 +170,7 @@ class CommandQueue:
 
     def take_order_independent(self, cancelling: bool = False) -> list[Entry]:
         """While nothing may move: take the entries before the first that moves, and the order-independent ones.
-
-        cancelling: also what ends the computation that the rest waits for.
-        """
+        cancelling: also what ends the computation that the rest waits for."""
         taken: list[Entry] = []
         waiting: list[Entry] = []
         blocked = False
@@ -172,6 +195,13 @@ class CommandQueue:
                 return
             if other.coalesce_key is None and not beyond_actions:
                 return
+
+
+def _refusal(why: str, sender: Hashable) -> Entry:
+    def refuse(model: Any, now: float) -> None:
+        raise ValueError(why)
+
+    return Entry(apply=refuse, coalesce_key=("rejected", sender))
 
 
 class Worker:
@@ -216,11 +246,11 @@ class Worker:
                 put(made)
 
 
-# What a browser sent for a parameter: anything may come
+# What a browser sent for a parameter: anything may come. Each parser raises ValueError.
 
 
-def number(value) -> float:
-    """A finite number. Raises ValueError."""
+def number(value: Any) -> float:
+    """A finite number."""
     try:
         found = float(value)
     except (TypeError, ValueError, OverflowError):
@@ -230,50 +260,41 @@ def number(value) -> float:
     return found
 
 
-def choice(value, options: Mapping, refusal: str):
-    """What an option stands for. Raises ValueError with the refusal, in which {value} stands for what came."""
-    if not isinstance(value, str) or value not in options:
-        raise ValueError(refusal.format(value=_quoted(value)))
-    return options[value]
+def whole(value: object) -> int:
+    """The nearest whole number."""
+    return round(number(value))
 
 
-def named(value, entries: Mapping[str, Any], refusal: str) -> str:
-    """The name of an entry of a registry, by its title. Raises ValueError, as `choice` does."""
-    return choice(value, {entry.title: name for name, entry in entries.items()}, refusal)
-
-
-def switch(value) -> bool:
-    """Raises ValueError."""
+def switch(value: object) -> bool:
+    """Of a checkbox."""
     if not isinstance(value, bool):
         raise ValueError(f"{_quoted(value)} is neither on nor off")
     return value
 
 
 def text(value: object) -> str:
-    """Take any text. Raises ValueError."""
+    """Any text."""
     if not isinstance(value, str):
         raise ValueError(f"{_quoted(value)} is not a text")
     return value
 
 
 def one_of(options: Any, refusal: str) -> Callable[[object], Any]:
-    """Return a parser that takes a name of `options`, and returns what it stands for, or itself.
-
-    options: a mapping, names, or a function that returns one of both; refusal: as of `choice`.
-    """
+    """Return a parser that takes a name of `options`, and returns what it stands for, or itself. options: a mapping,
+    names, or a function that returns one of both; refusal: {value} stands for what came."""
 
     def parse(value: object) -> Any:
         names = options() if callable(options) else options
-        return choice(value, names if isinstance(names, Mapping) else dict(zip(names, names)), refusal)
+        if not isinstance(value, str) or value not in names:
+            raise ValueError(refusal.format(value=_quoted(value)))
+        return names[value] if isinstance(names, Mapping) else value
 
     return parse
+
+
+PARSERS: dict[type, Callable[[Any], Any]] = {int: whole, float: number, bool: switch, str: text}
 
 
 def _quoted(value: object) -> str:
     """What came, or its beginning."""
     return repr(str(value)[:40])
-
-
-def whole(value: object) -> int:
-    """Return the nearest whole number. Raises ValueError."""
-    return round(number(value))

@@ -13,9 +13,7 @@ from .queue import CommandQueue, Worker
 @dataclass(frozen=True, eq=False)
 class Services:
     """share(robot, arm): puts its meshes on the server's scene, before they are first shown; clock: s, of the ticks.
-
-    Scripts of links are played in a thread of their own, as those that look with camera images wait for them.
-    """
+    Scripts of links are played in a thread of their own, as those that look with camera images wait for them."""
 
     share: Callable[[str, str], None]
     camera: CameraProcess = field(default_factory=CameraProcess)

@@ -1,7 +1,6 @@
 """One page: a model, its widgets and scene, and the loop that applies the visitor's commands."""
 
 import threading
-import time
 from collections.abc import Callable
 from concurrent.futures import Future, wait
 from contextlib import AbstractContextManager
@@ -47,7 +46,13 @@ class Page:
         self._sent_at: dict[str, float] = {}  # files by name
         self.model = PageModel(settings, services, self.queue, self._send)
         self._commands = CommandLoop(self.model, self.queue, self._announce_pictures, services.clock)
-        self._build(services, info)
+        with client.atomic():
+            self.layout = Layout(client, self.queue, info)
+            self.model.refresh(0.0)
+            self.layout.build(PANELS, self.model)
+            self._actions: Actions = self.layout.named["actions"]
+            self._keeper = Keeper(self.model, self._actions.keep)
+            self._scene = Scene3D(client, self.queue, services.share)
         self.model.eye = self._scene.eye
 
     @property
@@ -90,15 +95,6 @@ class Page:
         """Return whether its last turn has ended within that time, s."""
         return self._commands.turns.wait(within)
 
-    def _build(self, services: Services, info: ClientInfo | None) -> None:
-        with self._client.atomic():
-            self.layout = Layout(self._client, self.queue, info)
-            self.model.refresh(0.0)
-            self.layout.build(PANELS, self.model)
-            self._actions: Actions = self.layout.named["actions"]
-            self._keeper = Keeper(self.model, self._actions.keep)
-            self._scene = Scene3D(self._client, self.queue, services.share)
-
     @property
     def _shown(self) -> bool:
         """Whether its window is seen at all."""
@@ -122,9 +118,9 @@ class Page:
         if self._scene.arms is not None and self._redraw.changed(Scene3D, self._scene.key(model)):
             self._scene.show(model)
         for drawing in self.layout.drawings:
-            if not drawing.is_seen(model):
+            if drawing.tab in model.view.unseen:
                 continue
-            period = drawing.period_of(model)
+            period = drawing.period(model) if callable(drawing.period) else drawing.period
             if period and not self._redraw.due(drawing.kind, self._now, period):
                 continue
             if self._redraw.changed(drawing.kind, drawing.key(model)):
@@ -146,22 +142,12 @@ class Page:
             self._client.send_file_download(name, data, save_immediately=True)
 
 
-# Commands and motions that are due, run turn by turn: at once, or in a thread beside the scheduler. What looks with
-# camera images takes long, and would hold up everybody's pages.
-
-
 class CommandLoop:
-    """tick(now, budget) ends a turn, begins the next, or does meanwhile what need not wait.
-
-    announce_pictures(): the first camera images are about to be waited for; clock: s, by which commands are timed.
-    """
+    """tick(now, budget) ends a turn, begins the next, or does meanwhile what need not wait. announce_pictures(): the
+    first camera images are about to be waited for; clock: s, by which commands are timed."""
 
     def __init__(
-        self,
-        model: PageModel,
-        queue: CommandQueue,
-        announce_pictures: Callable[[], None],
-        clock: Callable[[], float] = time.monotonic,
+        self, model: PageModel, queue: CommandQueue, announce_pictures: Callable[[], None], clock: Callable[[], float]
     ):
         self._model, self._queue, self._clock = model, queue, clock
         self._announce_pictures, self.turns = announce_pictures, Background()
@@ -256,11 +242,8 @@ class CommandLoop:
                 self._model.accept()
 
 
-# What takes long for one page goes on in a thread of its own while the page is ticked, one turn after the other.
-
-
 class Background:
-    """Runs one turn at a time in a thread.
+    """Runs one turn at a time in a thread: what takes long for one page.
 
     busy: a turn runs, or `end` has not reported its end; alone: the turn changes the session, so do not read it.
     """
@@ -274,8 +257,17 @@ class Background:
         return self._turn is not None
 
     def begin(self, turn: Callable[[], None], alone: bool) -> None:
-        self._turn, self.alone = Future(), alone
-        threading.Thread(target=_carry_out, args=(self._turn, turn), name="viewimit-turn", daemon=True).start()
+        ending, self.alone = Future[None](), alone
+        self._turn = ending
+
+        def carry_out() -> None:
+            try:
+                turn()
+                ending.set_result(None)
+            except BaseException as fault:  # raised where the turn ends, in the thread that draws the page
+                ending.set_exception(fault)
+
+        threading.Thread(target=carry_out, name="viewimit-turn", daemon=True).start()
 
     def end(self) -> bool:
         """Whether a turn has ended since it was asked last. Raises what the turn raised."""
@@ -288,11 +280,3 @@ class Background:
     def wait(self, seconds: float) -> bool:
         """Whether no turn goes on any more, after that time at most."""
         return self._turn is None or not wait([self._turn], seconds).not_done
-
-
-def _carry_out(ending: Future, turn: Callable[[], None]) -> None:
-    try:
-        turn()
-        ending.set_result(None)
-    except BaseException as fault:  # raised where the turn ends, in the thread that draws the page
-        ending.set_exception(fault)

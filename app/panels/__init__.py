@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from ..model.page_model import PageModel
 from .actions import actions
-from .display import display, enlarge, offer_of_the_lab, points, still, views
+from .display import display, enlarge, points, still, views
 from .experiments import experiments, motions
 from .guide import glossary, keys, lessons
 from .left import copy, demonstrator, disturbances, history, learner, method, situation, start
@@ -34,7 +34,6 @@ PANELS: list[Callable[[Layout, PageModel], None]] = [
     status,
     share,
     still,
-    offer_of_the_lab,
     views,
     images,
     landscape,

@@ -8,17 +8,12 @@ from viser import Icon
 from viewimit.drawing.export.perspective import draw_space
 from viewimit.drawing.svg import count_points
 from viewimit.simulation.eyes import require_eyes
-from viewimit.simulation.scene import Scene
-from viewimit.wording import listed
 
-from ..drawing.joint_bars import draw_body_points
-from ..drawing.overlays import LESS, MORE, link
-from ..lab.page import lab_address, lab_lacks
+from ..drawing.overlays import LESS, MORE, draw_body_points, link
 from ..model.choices import LARGE, NO_POINT, chosen_layout, layout_choices
 from ..model.page_model import PageModel
 from .panel import SLOWEST, Layout, put, put_html, put_properties
 
-REWRITTEN_EVERY = 2.0  # s: the address of the lab, which takes time
 SWITCHES = (
     ("Goal in L and R", "goal"),
     ("Rays", "rays"),
@@ -61,10 +56,14 @@ def display(layout: Layout, model: PageModel) -> None:
         """The choices that depend on the scene and its images."""
         pictured = model.settings.sensor == "rendered"  # which show the markers that the robot wears, in one layout
         count = len(model.session.world.body)
-        why = why_no_pictures(model.session.scene)
-        put_properties(camera, disabled=why is not None)
-        put_html(why_not, "" if why is None else f'<div class="vi-why">{html.escape(why)}</div>')
-        put_properties(why_not, visible=why is not None)
+        why = ""
+        try:
+            require_eyes("rendered", model.session.scene)
+        except ValueError as reason:  # no camera images can be had of this scene here
+            why = f'<div class="vi-why">{html.escape(str(reason))}</div>'
+        put_properties(camera, disabled=bool(why))
+        put_html(why_not, why)
+        put_properties(why_not, visible=bool(why))
         points.options = [_count_markers(count)] if pictured else list(layout_choices(model.settings))
         points.disabled = pictured
         chosen.options = [NO_POINT, *(str(i) for i in range(count))]
@@ -75,28 +74,18 @@ def display(layout: Layout, model: PageModel) -> None:
         put(chosen, NO_POINT if model.view.chosen is None else str(model.view.chosen))
         put(points, _count_markers(count) if pictured else chosen_layout(model.settings))
 
+    def set_theme(dark: bool) -> None:
+        if layout.named.get("dark", False) != dark:
+            layout.named["dark"] = dark
+            gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
+
     layout.drawing(lambda model: (model.generation,), offer)
     layout.drawing(lambda model: (model.view.chosen, model.settings, model.inputs), show)
-    layout.bind(lambda model: model.view.on("dark"), lambda dark: _set_theme(layout, dark))
+    layout.bind(lambda model: model.view.on("dark"), set_theme)
 
 
 def _count_markers(count: int) -> str:
     return f"{count} marker{'' if count == 1 else 's'}"
-
-
-def _set_theme(layout: Layout, dark: bool) -> None:
-    if layout.named.get("dark", False) != dark:
-        layout.named["dark"] = dark
-        layout.gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
-
-
-def why_no_pictures(scene: Scene) -> str | None:
-    """Return why camera images cannot be had of this scene here, None if they can."""
-    try:
-        require_eyes("rendered", scene)
-    except ValueError as reason:
-        return str(reason)
-    return None
 
 
 def still(layout: Layout, model: PageModel) -> None:
@@ -109,40 +98,12 @@ def still(layout: Layout, model: PageModel) -> None:
     def draw(model: PageModel) -> None:
         if not model.view.flat:
             return put_html(picture, "")
-        drawn = draw_space(
-            model.session.world, model.displayed.scene_snapshot, None, model.view.rays, True, model.view.truth
-        )
+        view, moment = model.view, model.displayed.scene_snapshot
+        drawn = draw_space(model.session.world, moment, None, view.rays, True, view.truth)
         box = f'viewBox="0 0 {drawn.width} {drawn.height:.0f}" role="img" aria-label="{drawn.title}"'
         put_html(picture, f'<div class="vi-flat"><svg class="vi" {box}>{drawn.inside}</svg></div>')
 
     layout.drawing(key, draw, period=SLOWEST)
-
-
-def beside(model: PageModel) -> str:
-    """Say what the lab shows of this state, and what it does not have."""
-    lacking = lab_lacks(model.snapshot)
-    if not lacking:
-        return "The lab shows the same on any screen."
-    instead = "the paper's experiment" if lab_address(model.snapshot) is None else "these poses without it"
-    return f"The lab does not have {listed(lacking)}. It opens with {instead}."
-
-
-def offer_of_the_lab(layout: Layout, model: PageModel) -> None:
-    """For a window that is too small for the instrument: the lab in the same state. layout.css shows it."""
-    offer = layout.gui.add_html("")
-
-    def draw(model: PageModel) -> None:
-        there = lab_address(model.snapshot)
-        address = html.escape((there or "/lab").removeprefix("/"))
-        words = f"This window is small for the instrument. {html.escape(beside(model))}"
-        lab, anyway = "Open the lab", "Open the instrument anyway"
-        put_html(
-            offer,
-            f'<div class="vi-small" role="dialog" aria-label="A small window"><p>{words}</p>'
-            f'<a href="{address}">{lab}</a><button type="button">{anyway}</button></div>',
-        )
-
-    layout.drawing(lambda model: (model.snapshot,), draw, period=REWRITTEN_EVERY)
 
 
 def views(layout: Layout, model: PageModel) -> None:
@@ -161,10 +122,8 @@ def _tab(name: str, label: str, checked: bool) -> str:
 
 
 def enlarge(layout: Layout, model: PageModel) -> None:
-    """Declare the large panel, and the links that enlarge one, in every tab of the upper panel.
-
-    A browser has only the open tab's widgets. To be built after all tabs.
-    """
+    """Declare the large panel, and the links that enlarge one, in every tab of the upper panel. A browser has only the
+    open tab's widgets. To be built after all tabs."""
     for tab in layout.upper_tabs:
         with tab:
             layout.html(lambda model: _enlarge_links(model.view.large, model.view.details))
@@ -197,18 +156,11 @@ def points(layout: Layout, model: PageModel) -> None:
     with layout.folder("Points", lambda model: str(len(model.session.world.body))), layout.row(quiet=True):
         layout.button(lambda model: DONE if model.edited.on else EDIT, "edit_points", hint="on both arms, by clicks; E")
         layout.button(("Save scene", Icon.DOWNLOAD), "scene", hint="as a file for viewimit imitate --scene")
-        layout.button(
-            lambda model: PROPOSE if model.edited.proposal is None else TAKE,
-            "best",
-            hint="the point that would help most; B",
-            enabled=lambda model: model.edited.on and not model.edited.searching,
-        )
-        layout.button(
-            ("Remove", Icon.TRASH),
-            "remove",
-            hint="the chosen point; Delete",
-            enabled=lambda model: model.edited.on and model.view.chosen is not None,
-        )
+        look = lambda model: PROPOSE if model.edited.proposal is None else TAKE
+        waits = lambda model: model.edited.on and not model.edited.searching
+        layout.button(look, "best", hint="the point that would help most; B", enabled=waits)
+        has_chosen = lambda model: model.edited.on and model.view.chosen is not None
+        layout.button(("Remove", Icon.TRASH), "remove", hint="the chosen point; Delete", enabled=has_chosen)
         status = layout.gui.add_html("")
 
     def draw(model: PageModel) -> None:

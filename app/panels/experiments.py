@@ -33,32 +33,19 @@ MARKS = {True: PASS, False: MISS, None: MISSING}
 def experiments(layout: Layout, model: PageModel) -> None:
     with layout.tab("Experiments"):
         with layout.row():
-            layout.dropdown(
-                "Experiment",
-                [experiment.title for experiment in EXPERIMENTS.values()],
-                lambda model: EXPERIMENTS[model.experiments.chosen].title,
-                "experiment",
-            )
-            layout.dropdown(
-                "Trajectory",
-                list(NAMES.values()),
-                lambda model: NAMES[model.motions.name],
-                "motion",
-                visible=lambda model: "motion" in EXPERIMENTS[model.experiments.chosen].options,
-            )
+            chosen = lambda model: EXPERIMENTS[model.experiments.chosen]
+            titles = [experiment.title for experiment in EXPERIMENTS.values()]
+            layout.dropdown("Experiment", titles, lambda model: chosen(model).title, "experiment")
+            takes_motion = lambda model: "motion" in chosen(model).options
+            name = lambda model: NAMES[model.motions.name]
+            layout.dropdown("Trajectory", list(NAMES.values()), name, "motion", visible=takes_motion)
             layout.button(lambda model: CANCEL if model.experiments.going_on else RUN, "run")
         with layout.row():
             progress = layout.gui.add_html(draw_progress(None, ""))
-            layout.button(
-                lambda model: SEE if model.displayed.playback is None else STOP,
-                "imitation",
-                visible=lambda model: (run := model.experiments.shown) is not None and run.imitation is not None,
-            )
-            layout.button(
-                ("Download figure and data", Icon.DOWNLOAD),
-                "download",
-                enabled=lambda model: (run := model.experiments.shown) is not None and bool(run.archive),
-            )
+            look = lambda model: SEE if model.displayed.playback is None else STOP
+            has = lambda what: lambda model: bool(getattr(model.experiments.shown, what, None))
+            layout.button(look, "imitation", visible=has("imitation"))
+            layout.button(("Download figure and data", Icon.DOWNLOAD), "download", enabled=has("archive"))
         layout.html(lambda model: POINTS_ONLY if model.experiments.ignores_pictures else "")
         figure, claims = layout.gui.add_html(""), layout.gui.add_html("")
         layout.gui.add_html(asks(("Q", "bias", "basin")))
@@ -79,34 +66,27 @@ def experiments(layout: Layout, model: PageModel) -> None:
 
 def draw_progress(run: Run | None, chosen: str) -> str:
     """One line. run: None before any; it is named unless it is of the experiment that is chosen."""
-    if run is None:
-        title, state, share, words = "experiment", "idle", 0.0, "not run yet"
-    else:
-        title, state, share, words = EXPERIMENTS[run.name].short_title, run.state, run.share, _words(run)
-        if run.name != chosen:
-            words = f"{title}: {words}"
-    percent = round(100 * share)
+    title, state, percent, words = "experiment", "idle", 0, "not run yet"
+    if run is not None:
+        title, state, percent = EXPERIMENTS[run.name].short_title, run.state, round(100 * run.share)
+        words = ("" if run.name == chosen else f"{title}: ") + _words(run, percent)
+    title, words = svg.escape(title), svg.escape(words)
+    bar = f'role="progressbar" aria-label="{title}" aria-valuemin="0" aria-valuemax="100" aria-valuenow="{percent}"'
     return (
-        f'<div class="vi-progress vi-progress-{state}"><div class="vi-progress-bar" role="progressbar"'
-        f' aria-label="{svg.escape(title)}"'
-        f' aria-valuemin="0" aria-valuemax="100" aria-valuenow="{percent}"><i style="width:{percent}%"></i></div>'
-        f'<span title="{svg.escape(words)}">{svg.escape(words)}</span></div>'
+        f'<div class="vi-progress vi-progress-{state}"><div class="vi-progress-bar" {bar}>'
+        f'<i style="width:{percent}%"></i></div><span title="{words}">{words}</span></div>'
     )
 
 
-def _words(run: Run) -> str:
-    if run.state == "waiting":
-        return "waiting for its turn"
-    if run.state == "running":
-        return f"{round(100 * run.share)} %"
-    if run.state == "writing":
-        return "writing the files …"
-    if run.state == "done":
-        said = verdict(run.claims)
-        return f"done: {said}" if said else f"done in {run.seconds:.0f} s"
-    if run.state == "cancelled":
-        return f"cancelled at {round(100 * run.share)} %"
-    return f"failed: {with_minus(run.problem)}"
+def _words(run: Run, percent: int) -> str:
+    said = {
+        "waiting": "waiting for its turn",
+        "running": f"{percent} %",
+        "writing": "writing the files …",
+        "done": f"done: {verdict(run.claims)}" if verdict(run.claims) else f"done in {run.seconds:.0f} s",
+        "cancelled": f"cancelled at {percent} %",
+    }
+    return said.get(run.state) or f"failed: {with_minus(run.problem)}"
 
 
 def draw_verdict(run: Run | None) -> str:
@@ -144,15 +124,8 @@ def motions(layout: Layout, model: PageModel) -> None:
             layout.dropdown("Chosen motion", list(NAMES.values()), lambda model: NAMES[model.motions.name], "motion")
             layout.button(lambda model: STOP if model.motions.recorder else RECORD, "record", color=rgb("stopped"))
             layout.button(lambda model: STOP if model.motions.replaying else REPLAY, "replay")
-        time = layout.slider(
-            "Time (s)",
-            0.0,
-            1.0,
-            0.05,
-            lambda model: model.motions.moment[0],
-            "motion_time",
-            hint="of the chosen motion",
-        )
+        shown = lambda model: model.motions.moment[0]
+        time = layout.slider("Time (s)", 0.0, 1.0, 0.05, shown, "motion_time", hint="of the chosen motion")
         with layout.row():
             layout.html(_said)
             layout.button(("Save", Icon.DOWNLOAD), "save_motion")

@@ -3,6 +3,7 @@ reading order."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 from urllib.parse import quote
 
@@ -12,16 +13,16 @@ from viewimit.drawing.images.panel import residual_lengths
 from viewimit.drawing.svg import escape
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.servo import SERVOS
+from viewimit.wording import listed as and_others
 
 from ..drawing.overlays import button, current_values, linked_cards, listed
 from ..lab.lessons.format import Lesson
 from ..lab.lessons.source import ORDER
-from ..lab.page import lab_address
-from ..model.keeping import share_link
+from ..model.keeping import lab_address, lab_lacks, share_link
 from ..model.page_model import PageModel
 from ..static import STATIC
 from ..ways import Ways, about, header
-from .panel import SLOWEST, Layout, put_html
+from .panel import SLOWEST, STATE, Layout, put_html
 
 
 @dataclass(frozen=True)
@@ -61,8 +62,7 @@ def keys(layout: Layout, model: PageModel) -> None:
     layout.gui.add_html(f'<div class="vi-keys">{key_caps(key for key in KEYS if key.hinted)}</div>')
     for key in KEYS:
         _add_hotkey(layout, key)
-    content = lambda model: help_html(key_caps(KEYS))
-    layout.modal("viewimit: what is seen here", "help", content)
+    layout.modal("viewimit: what is seen here", "help", lambda model: help_html(key_caps(KEYS)))
 
 
 def _add_hotkey(layout: Layout, key: Key) -> None:
@@ -84,16 +84,13 @@ METHODS = (("Transfers", TRANSFERS), ("Servos", SERVOS))
 
 def help_html(keys: str) -> str:
     """For a modal. keys: what they are, as html."""
+    said = lambda one: f"<dt>{one.title}</dt><dd>Assumes: {one.assumes} Fails: {one.limitations}</dd>"
     methods = "".join(
-        f"<p><b>{title}</b></p><dl>"
-        + "".join(f"<dt>{m.title}</dt><dd>Assumes: {m.assumes} Fails: {m.limitations}</dd>" for m in methods.values())
-        + "</dl>"
-        for title, methods in METHODS
+        f"<p><b>{title}</b></p><dl>{''.join(map(said, methods.values()))}</dl>" for title, methods in METHODS
     )
     words = f'<p><b>What the numbers mean</b></p><div class="vi-entries">{listed()}</div>'
-    return (
-        f'<div class="vi-help"><div class="vi-help-keys">{keys}</div>{HELP_HTML}{methods}{words}{about(Ways())}</div>'
-    )
+    keys = f'<div class="vi-help-keys">{keys}</div>'
+    return f'<div class="vi-help">{keys}{HELP_HTML}{methods}{words}{about(Ways())}</div>'
 
 
 # What explains the page: ways to the lab and its lessons, the offer of one of them, and the glossary's cards.
@@ -108,21 +105,16 @@ def lessons(layout: Layout, model: PageModel) -> None:
     """The page's name with Share and Help, the ways to lab and lessons in the present state, and the offer of the
     tour."""
     head, offer, offered = layout.gui.add_html(""), layout.gui.add_html("", order=LAST), not _offered(model)
+    small = layout.gui.add_html("")
 
     def key(model: PageModel) -> tuple:
-        return (
-            model.tour_offered,
-            model.player.last > 0,
-            model.snapshot,
-            model.view,
-            model.player.speed,
-            model.preset.name,
-        )
+        return model.player.last > 0, *STATE(model)
 
     def draw(model: PageModel) -> None:
         nonlocal offered
         offered = _offered(model)
         put_html(head, draw_head(model, layout.info.lessons))
+        put_html(small, draw_small(model))
         put_html(offer, draw_offer(model, layout.info.lessons))
 
     def period(model: PageModel) -> float:
@@ -137,11 +129,8 @@ def glossary(layout: Layout, model: PageModel) -> None:
     browser's own matter."""
     layout.gui.add_html(f'<div class="vi-words">{linked_cards()}</div>')
     values = layout.gui.add_html("")
-    layout.drawing(
-        lambda model: (model.snapshot,),
-        lambda model: put_html(values, current_values(numbers_now(model))),
-        period=SLOWEST,
-    )
+    draw = lambda model: put_html(values, current_values(numbers_now(model)))
+    layout.drawing(lambda model: (model.snapshot,), draw, SLOWEST)
 
 
 def _offered(model: PageModel) -> bool:
@@ -151,16 +140,38 @@ def _offered(model: PageModel) -> bool:
 
 def draw_head(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
     """The page's name and two buttons, at every size; the ways to other pages, and what this one is for."""
+    head = _head(next(iter(lessons), None))
+    return head.replace("{play}", escape(_lab_of(model))).replace("{back}", way_back(model))
+
+
+@cache
+def _head(lesson: str | None) -> str:
+    """The head, which has {play} and {back} for what depends on a page's state."""
     shown = "".join(
         button(f"{what}/0", words, f'<span class="vi-head-button">{words}</span>')
         for what, words in (("share", "Share"), ("help", "Help"))
     )
-    play = (lab_address(model.snapshot) or "/lab").removeprefix("/")
-    first = next(iter(lessons), None)
-    ways = Ways(play, first and f"lab/{first}{way_back(model)}", workbench="./")
+    ways = Ways("{play}", lesson and f"lab/{lesson}{{back}}", workbench="./")
     return (
         f'<div class="vi-title"><b role="heading" aria-level="1">viewimit</b><nav aria-label="Page">{shown}</nav></div>'
         f'<div class="vi-purpose">{header(ways, "workbench", with_about=False)}<p>{PURPOSE}</p></div>'
+    )
+
+
+def _lab_of(model: PageModel) -> str:
+    return (lab_address(model.snapshot) or "/lab").removeprefix("/")
+
+
+def draw_small(model: PageModel) -> str:
+    """For a window that is too small for the instrument: the lab in the same state. layout.css shows it."""
+    said, lacking = "The lab shows the same on any screen.", lab_lacks(model.snapshot)
+    if lacking:
+        instead = "the paper's experiment" if lab_address(model.snapshot) is None else "these poses without it"
+        said = f"The lab does not have {and_others(lacking)}. It opens with {instead}."
+    return (
+        '<div class="vi-small" role="dialog" aria-label="A small window"><p>This window is small for the instrument.'
+        f' {escape(said)}</p><a href="{escape(_lab_of(model))}">Open the lab</a>'
+        '<button type="button">Open the instrument anyway</button></div>'
     )
 
 

@@ -11,8 +11,7 @@ from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.settings import MAX_SEED, given
 from viewimit.servo import SERVOS
 
-from ..drawing.joint_bars import draw_learner
-from ..drawing.overlays import beside
+from ..drawing.overlays import beside, draw_learner
 from ..model.choices import (
     FRAMES,
     OF_ARMS,

@@ -12,18 +12,21 @@ Nothing is sent when nothing changes.
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 from viser import ClientHandle, IconName
 
-from ..lab.engine_scene import joint_name
+from ..drawing.overlays import joint_name
 from ..lab.lessons.format import Lesson
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue
 from ..viser_private import push_input, push_property
 
 SLOW, SLOWEST = 0.2, 0.5  # s between two drawings of curves and of numbers, which nobody reads faster
-Read = Callable[[PageModel], Any]
+STATE = attrgetter("tour_offered", "snapshot", "view", "player.speed", "preset.name")  # that a link to a page holds
+Read = Callable[[PageModel], Any]  # such as attrgetter("view.rays")
+Shown = bool | Callable[[PageModel], bool]
 Period = float | Callable[[PageModel], float]
 Look = tuple[str, IconName | None]  # a button's label and icon
 
@@ -39,24 +42,16 @@ class ClientInfo(NamedTuple):
 
 @dataclass(eq=False)
 class Drawing:
-    """A part of a page that is drawn whenever one of the values it depends on has changed.
-
-    kind: panel and number, the same on all pages; tab: in which it stands, "" for none; it is not drawn while that is
-    not open; key: the values that it depends on, of snapshots their identity; draw: writes what differs; period: s at
-    least between two drawings, 0: as often as the page looks for changes at all.
-    """
+    """A part of a page that is drawn whenever one of the values it depends on has changed. kind: panel and number, the
+    same on all pages; tab: in which it stands, "" for none; it is not drawn while that is not open; key: the values
+    that it depends on, of snapshots their identity; draw: writes what differs; period: s at least between two drawings,
+    0: as often as the page looks for changes at all."""
 
     kind: Hashable
     tab: str
     key: Callable[[PageModel], tuple]
     draw: Callable[[PageModel], None]
     period: Period = 0.0
-
-    def is_seen(self, model: PageModel) -> bool:
-        return self.tab not in model.view.unseen
-
-    def period_of(self, model: PageModel) -> float:
-        return self.period(model) if callable(self.period) else self.period
 
 
 @dataclass(eq=False)
@@ -83,9 +78,7 @@ class Controls:
 
 class Layout:
     """The widgets and drawings of one page: the left panel, which is `gui` itself, and the right ones with their tabs.
-
-    drawings: those that the panels have declared, in their order; named: widgets that the page must find again.
-    """
+    drawings: those that the panels have declared, in their order; named: widgets that the page must find again."""
 
     def __init__(self, client: ClientHandle, queue: CommandQueue, info: ClientInfo | None = None):
         self.client, self.gui, self.queue, self.info = client, client.gui, queue, info or ClientInfo()
@@ -168,54 +161,32 @@ class Layout:
     def html(self, content: str | Read = "", visible: bool | Read = True) -> Any:
         handle = self.gui.add_html(self._first(content), visible=self._first(visible))
         self._bind_if_read(content, lambda shown: put_html(handle, shown))
-        self._bind_if_read(visible, lambda shown: put_properties(handle, visible=shown))
-        return handle
+        return self._seen_if(handle, visible)
 
     def button(
-        self,
-        look: Look | Callable[[PageModel], Look],
-        command: str,
-        hint: str | None = None,
-        enabled: bool | Callable[[PageModel], bool] = True,
-        visible: bool | Callable[[PageModel], bool] = True,
-        **options: Any,
+        self, look: Look | Read, command: str, enabled: Shown = True, visible: Shown = True, **options: Any
     ) -> Any:
-        """A button. look: its label and icon."""
+        """A button. look: its label and icon; options: of viser's, such as hint."""
         label, icon = self._first(look)
         options |= {"disabled": not self._first(enabled), "visible": self._first(visible)}
-        handle = self.gui.add_button(label, icon=icon, hint=hint, **options)
+        handle = self.gui.add_button(label, icon=icon, **options)
         self.queue.on_click(handle, command)
         self._bind_if_read(look, lambda shown: put_properties(handle, **dict(zip(("label", "icon"), shown))))
         self._bind_if_read(enabled, lambda shown: put_properties(handle, disabled=not shown))
-        self._bind_if_read(visible, lambda shown: put_properties(handle, visible=shown))
-        return handle
+        return self._seen_if(handle, visible)
 
     def dropdown(
-        self,
-        label: str,
-        options: Sequence[str],
-        value: Read,
-        command: str,
-        visible: bool | Callable[[PageModel], bool] = True,
-        period: float = 0.0,
+        self, label: str, options: Sequence[str], value: Read, command: str, visible: Shown = True, period: float = 0.0
     ) -> Any:
         shown = self._first(visible)
         handle = self.gui.add_dropdown(label, options, initial_value=value(self._model), visible=shown)
-        self._bind_if_read(visible, lambda shown: put_properties(handle, visible=shown), period)
-        return self.value(handle, value, command, period=period)
+        return self.value(self._seen_if(handle, visible), value, command, period=period)
 
     def checkbox(
-        self,
-        label: str,
-        value: Callable[[PageModel], bool],
-        command: str,
-        *first: Any,
-        hint: str | None = None,
-        visible: bool | Callable[[PageModel], bool] = True,
+        self, label: str, value: Read, command: str, *first: Any, hint: str | None = None, visible: Shown = True
     ) -> Any:
         handle = self.gui.add_checkbox(label, value(self._model), hint=hint, visible=self._first(visible))
-        self._bind_if_read(visible, lambda shown: put_properties(handle, visible=shown))
-        return self.value(handle, value, command, *first)
+        return self.value(self._seen_if(handle, visible), value, command, *first)
 
     def slider(
         self, label: str, low: Any, high: Any, step: Any, value: Read, command: str, *first: Any, **options: Any
@@ -224,14 +195,7 @@ class Layout:
         handle = self.gui.add_slider(label, low, high, step, low, **options)
         return self.value(handle, value, command, *first, period=period)
 
-    def modal(
-        self,
-        title: str,
-        field: str,
-        content: Callable[[PageModel], str],
-        key: Callable[[PageModel], tuple] = lambda model: (),
-        period: float = 0.0,
-    ) -> None:
+    def modal(self, title: str, field: str, content: Read, key: Read = lambda model: (), period: float = 0.0) -> None:
         """A card over the page. field: of the view, whether it is open, and the name of the command that closes it;
         content: its HTML; key: what that depends on."""
         card: Any = None  # the open one, whose class viser does not name
@@ -265,22 +229,21 @@ class Layout:
         """The first value, while the page is built."""
         return shown(self._model) if callable(shown) else shown
 
-    def _bind_if_read(self, shown: Any, write: Callable[[Any], None], period: float = 0.0) -> None:
+    def _bind_if_read(self, shown: Any, write: Callable[[Any], None]) -> None:
         if callable(shown):
-            self.bind(shown, write, period=period)
+            self.bind(shown, write)
+
+    def _seen_if(self, handle: Any, visible: Shown) -> Any:
+        self._bind_if_read(visible, lambda shown: put_properties(handle, visible=shown))
+        return handle
 
 
 class JointSliders:
-    """One slider for each joint that moves, made again for each world.
+    """One slider for each joint that moves, made again for each world. name: of each, {joint} stands for its joint;
+    command: called with the number of the joint, counted among those that move, and its angle in degrees."""
 
-    name: of each, {joint} stands for its joint; command: called with the number of the joint, counted among those that
-    move, and its angle in degrees.
-    """
-
-    def __init__(
-        self, layout: Layout, inside: AbstractContextManager, name: str, command: str, hint: str | None = None
-    ):
-        self._layout, self._inside, self._name, self._command, self._hint = layout, inside, name, command, hint
+    def __init__(self, layout: Layout, inside: AbstractContextManager, name: str, command: str, hint: str = ""):
+        self._layout, self._inside, self._name, self._command, self._hint = layout, inside, name, command, hint or None
         self._sliders: list = []
         self._generation = -1
 

@@ -2,6 +2,7 @@
 equations; a duel."""
 
 from functools import partial
+from operator import attrgetter
 from typing import Any
 
 from viser import Icon
@@ -41,7 +42,7 @@ def images(layout: Layout, model: PageModel) -> None:
         shown, links, proposed = (layout.gui.add_html("") for k in range(3))
         layout.named["images"] = shown
         layout.drawing(_images_key, partial(_draw_images, shown, proposed))
-        layout.drawing(_links_key, partial(_draw_point_links, links))
+        layout.drawing(_links_key, lambda model: put_html(links, point_links(*_links_key(model))))
 
 
 def _images_key(model: PageModel) -> tuple:
@@ -67,14 +68,9 @@ def _draw_images(shown: Any, proposed: Any, model: PageModel) -> None:
 
 
 def _links_key(model: PageModel) -> tuple:
+    """What links depend on: a click on one is not lost while the arm moves."""
     points = len(model.displayed.image_snapshot.views.demo)
-    return None if model.view.rectified else points, model.view.whole_frames
-
-
-def _draw_point_links(links: Any, model: PageModel) -> None:
-    """Draw the links again only when they change: a click on one is not lost while the arm moves."""
-    points, whole_frames = _links_key(model)
-    put_html(links, "" if points is None else point_links(points, whole_frames))
+    return 0 if model.view.rectified else points, model.view.whole_frames
 
 
 def landscape(layout: Layout, model: PageModel) -> None:
@@ -91,14 +87,8 @@ def landscape(layout: Layout, model: PageModel) -> None:
         with layout.row(quiet=True):
             layout.button(lambda model: ALONE if _compares(model) else COMPARE, "compare")
             layout.button(_starts_look, "starts", hint=STARTS)
-            layout.checkbox(
-                "Preview the pose",
-                lambda model: model.view.look_only,
-                "switch",
-                "look_only",
-                hint=LOOK_ONLY,
-                visible=lambda model: model.view.details or model.view.look_only,
-            )
+            looks, offered = attrgetter("view.look_only"), lambda model: model.view.details or model.view.look_only
+            layout.checkbox("Preview the pose", looks, "switch", "look_only", hint=LOOK_ONLY, visible=offered)
 
         def show_own(shown: bool) -> None:
             for over in (ground, path, preview, links, cost, basin):
@@ -107,10 +97,14 @@ def landscape(layout: Layout, model: PageModel) -> None:
         layout.bind(lambda model: not _compares(model), show_own)
         own = OwnPath(ground, path)
         layout.drawing(own.key, own.draw, own.period)
-        layout.drawing(lambda model: (model.displayed.preview, model.generation), partial(_draw_preview, preview))
-        layout.drawing(
-            lambda model: (model.generation,), lambda model: put_html(links, posture_field(model.session.scene))
-        )
+
+        def draw_preview(model: PageModel) -> None:
+            moment = model.displayed.preview
+            put_html(preview, "" if moment is None else draw_see_through(model.session.scene, moment))
+
+        layout.drawing(attrgetter("displayed.preview", "generation"), draw_preview)
+        draw_links = lambda model: put_html(links, posture_field(model.session.scene))
+        layout.drawing(lambda model: (model.generation,), draw_links)
 
 
 class OwnPath:
@@ -144,11 +138,6 @@ def _compares(model: PageModel) -> bool:
     return model.comparison.html is not None
 
 
-def _draw_preview(preview: Any, model: PageModel) -> None:
-    moment = model.displayed.preview
-    put_html(preview, "" if moment is None else draw_see_through(model.session.scene, moment))
-
-
 def _starts_look(model: PageModel) -> tuple:
     run = model.basins.run
     return FROM_STARTS if run is None or model.comparison.on else CANCEL if run.goes_on else HIDE
@@ -175,11 +164,8 @@ def equations(layout: Layout, model: PageModel) -> None:
     with layout.tab("Equations"):
         shown = layout.gui.add_html("")
         layout.gui.add_html(asks(("lambda", "rho", "D")))
-        layout.drawing(
-            lambda model: (model.displayed.snapshot, model.view.chosen),
-            lambda model: put_html(shown, draw_equations(model.displayed.snapshot, model.view.chosen)),
-            period=SLOWEST,
-        )
+        key = attrgetter("displayed.snapshot", "view.chosen")
+        layout.drawing(key, lambda model: put_html(shown, draw_equations(*key(model))), period=SLOWEST)
 
 
 # The tab Duel: the opponent's method, both paths, standings.
@@ -191,12 +177,8 @@ def duel(layout: Layout, model: PageModel) -> None:
     transfers, servos = ([one.title for one in those.values()] for those in (TRANSFERS, SERVOS))
     with layout.tab("Duel"):
         with layout.row():
-            layout.dropdown(
-                "Opponent's transfer",
-                transfers,
-                lambda model: TRANSFERS[model.duel.transfer].title,
-                "opponent_transfer",
-            )
+            transfer = lambda model: TRANSFERS[model.duel.transfer].title
+            layout.dropdown("Opponent's transfer", transfers, transfer, "opponent_transfer")
             layout.dropdown("Opponent's servo", servos, lambda model: SERVOS[model.duel.servo].title, "opponent_servo")
             layout.button(lambda model: BEGIN if model.duel.opponent is None else END, "duel")
         layout.html(lambda model: model.duel_landscapes.html)

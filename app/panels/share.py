@@ -2,6 +2,7 @@
 repeats it."""
 
 import html
+from operator import attrgetter
 
 import segno
 from viser import Icon
@@ -10,12 +11,11 @@ from viewimit.loop.codegen import as_command, as_python
 from viewimit.sensing.files import file_name
 from viewimit.wording import listed
 
-from ..lab.page import lab_address, lab_lacks
-from ..model.keeping import share_link
-from ..model.link import described, files_named
+from ..model.keeping import lab_address, lab_lacks, share_link, told
+from ..model.link import files_named
 from ..model.page_model import PageModel
 from ..model.pictures import FORMATS, PICTURES, lacking
-from .panel import SLOWEST, Layout
+from .panel import SLOWEST, STATE, Layout
 
 REPLAY = "all steps as one file that any browser opens, without a server"
 PICTURE = "at print size, in colours of print, with the caption that makes it citable; S"
@@ -33,8 +33,8 @@ def save(layout: Layout, model: PageModel) -> None:
     gui = layout.gui
     with layout.folder("Save"):
         layout.button(("Save replay", Icon.MOVIE), "save_replay", hint=REPLAY)
-        layout.dropdown("Picture", PICTURES, lambda model: model.view.picture, "picture")
-        layout.dropdown("As", FORMATS, lambda model: model.view.picture_as, "picture_format")
+        layout.dropdown("Picture", PICTURES, attrgetter("view.picture"), "picture")
+        layout.dropdown("As", FORMATS, attrgetter("view.picture_as"), "picture_format")
         layout.button(("Save picture", Icon.PHOTO_DOWN), "save_picture", hint=PICTURE)
         if why := lacking():
             gui.add_html(f'<div class="vi-why">{html.escape(why)}</div>')
@@ -43,13 +43,8 @@ def save(layout: Layout, model: PageModel) -> None:
 def share(layout: Layout, model: PageModel) -> None:
     """The card with a link."""
     origin = layout.info.public_url or layout.info.origin
-    layout.modal(
-        "What this page shows, for others",
-        "share",
-        lambda model: share_html(model, origin, is_local=layout.info.public_url is None),
-        lambda model: (model.snapshot, model.view, model.player.speed, model.preset.name),
-        SLOWEST,
-    )
+    content = lambda model: share_html(model, origin, is_local=layout.info.public_url is None)
+    layout.modal("What this page shows, for others", "share", content, STATE, SLOWEST)
 
 
 def share_html(model: PageModel, origin: str | None, is_local: bool = False) -> str:
@@ -59,7 +54,7 @@ def share_html(model: PageModel, origin: str | None, is_local: bool = False) -> 
     try:
         address = f"{origin or ''}/?{share_link(model, hides=not model.view.truth)}"
         parts.append(_copied("A link that opens this very state", address))
-        parts.append(_bound(files_named(model.session.script.renamed(described))))
+        parts.append(_bound(files_named(model.session.script.renamed(told))))
         if origin is not None:
             parts.append(f'<p class="vi-2nd">{ONLY_HERE}</p>' if is_local else "")
             parts.append(_qr(address))
@@ -91,10 +86,10 @@ def _bound(files: list[str]) -> str:
     """Where a link opens, if not everywhere."""
     if not files:
         return ""
-    named = html.escape(listed(files))
-    return (
-        f'<p class="vi-2nd">It opens only on a server that was started with {named}: no link can hold these files.</p>'
+    only = (
+        f"It opens only on a server that was started with {html.escape(listed(files))}: no link can hold these files."
     )
+    return f'<p class="vi-2nd">{only}</p>'
 
 
 def _qr(address: str) -> str:

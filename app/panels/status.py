@@ -8,8 +8,7 @@ as the images do.
 from viewimit.drawing.curves import describe_errors
 from viewimit.drawing.status import BY_PAGE, StatusMessage, describe, describe_outcome, describe_truth, draw_status
 
-from ..drawing.joint_bars import describe_body_points
-from ..drawing.overlays import describe_see_through, link
+from ..drawing.overlays import describe_body_points, describe_see_through, link
 from ..model.page_model import PageModel
 from .panel import SLOW, Layout, put_html
 
@@ -32,16 +31,8 @@ def status(layout: Layout, model: PageModel) -> None:
         shown, message = model.displayed, model.message
         on_its_way = None if shown.interpolated_theta is None else shown.interpolated_theta.tobytes()
         snapshots = model.snapshot, shown.scene_snapshot, on_its_way, shown.preview, shown.playback, model.edited
-        said = None if message is None else message.text
-        return (
-            said,
-            model.unsaved,
-            model.following.goes_on,
-            model.following.restores,
-            *snapshots,
-            model.player.playing,
-            _busy(model),
-        )
+        told = message and message.text, model.unsaved, model.following.goes_on, model.following.restores
+        return *told, *snapshots, model.player.playing, _busy(model)
 
     def draw(model: PageModel) -> None:
         said, truth = _said(model), _truth(model)
@@ -74,19 +65,16 @@ def _said(model: PageModel) -> StatusMessage:
     points = model.edited
     if points.information is not None and not model.player.playing:
         joints = session.scene.moving_joints
-        return StatusMessage(
-            "editing", describe_body_points(joints, points.information, points.proposal, points.searching)
-        )
+        said = describe_body_points(joints, points.information, points.proposal, points.searching)
+        return StatusMessage("editing", said)
     if model.displayed.preview is not None:
         return StatusMessage("see-through", describe_see_through(session.scene, model.displayed.preview))
     if model.unsaved:
         return StatusMessage("message", UNSAVED)
-    before = session.history[max(session.cursor - LOOKS_BACK, 0) : session.cursor]
+    before, joints = session.history[max(session.cursor - LOOKS_BACK, 0) : session.cursor], session.scene.moving_joints
     if (moving := model.displayed.moving_snapshot) is not None:
-        return describe(moving, before, joints=session.scene.moving_joints)
-    return describe(
-        model.snapshot, before, model.player.playing, model.displayed.assessment, session.scene.moving_joints
-    )
+        return describe(moving, before, joints=joints)
+    return describe(model.snapshot, before, model.player.playing, model.displayed.assessment, joints)
 
 
 def _outcome(model: PageModel, said: StatusMessage) -> str:
@@ -100,19 +88,11 @@ def _outcome(model: PageModel, said: StatusMessage) -> str:
 
 
 def _truth(model: PageModel) -> str:
-    off = (
-        describe_errors(model.displayed.errors_deg)
-        if _busy(model) is not None and model.displayed.playback is None
-        else ""
-    )
-    if off:
+    shown = model.displayed
+    if _busy(model) is not None and shown.playback is None and (off := describe_errors(shown.errors_deg)):
         return off + "."
-    own = (
-        model.displayed.snapshot.theta
-        if model.displayed.moving_snapshot is None
-        else model.displayed.scene_snapshot.theta
-    )
-    return describe_truth(model.session.scene.moving_joints, own, model.displayed.snapshot.theta_demo)
+    own = shown.snapshot if shown.moving_snapshot is None else shown.scene_snapshot
+    return describe_truth(model.session.scene.moving_joints, own.theta, shown.snapshot.theta_demo)
 
 
 def _busy(model: PageModel) -> tuple[str, str] | None:

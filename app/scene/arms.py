@@ -70,22 +70,16 @@ class Arm:
     def __init__(self, client: ClientHandle, nodes: Nodes, world: World, arm: str, T_world_base: NDArray):
         self._client, self._nodes = client, nodes
         self._robot, self._joints, self._moving = world.robot, world.robot.joints, world.scene.moving
-        self._frame = nodes.keep(
-            client.scene.add_frame(
-                robot_root(world.scene, arm),
-                show_axes=False,
-                wxyz=quaternion(T_world_base[:3, :3]),
-                position=T_world_base[:3, 3],
-            )
-        )
+        add = partial(client.scene.add_frame, show_axes=False)
+        turn, position = quaternion(T_world_base[:3, :3]), T_world_base[:3, 3]
+        self._frame = nodes.keep(add(robot_root(world.scene, arm), wxyz=turn, position=position))
         self._visible = True
         self._rest = [quaternion(joint.T_parent_joint[:3, :3]) for joint in self._joints]
         self._axes = [(joint.axis / np.linalg.norm(joint.axis)).tolist() for joint in self._joints]
         self._names = [link_name(world.scene, arm, i + 1) for i in range(len(self._joints))]
         self._angles = np.array(world.joint_angles(np.zeros(len(world.scene.moving))), float).tolist()
         for i, joint in enumerate(self._joints):
-            position = joint.T_parent_joint[:3, 3]
-            nodes.keep(client.scene.add_frame(self._names[i], show_axes=False, wxyz=self._turned(i), position=position))
+            nodes.keep(add(self._names[i], wxyz=self._turned(i), position=joint.T_parent_joint[:3, 3]))
 
     def draw(self, theta: NDArray) -> None:
         """theta: (m,) rad, of the moving joints. Only those that turned are sent."""

@@ -1,6 +1,7 @@
 """The fixtures of the 3-D scene: light, floor, pedestals, the head, its frusta with their image plates, names."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from viser import ClientHandle, ImageHandle, MeshHandle, SceneApi
@@ -28,7 +29,7 @@ from viewimit.simulation.scene_geometry import (
 from viewimit.simulation.world import World
 
 from .. import viser_private
-from .nodes import Nodes, add_text, linear, quaternion
+from .nodes import UNLIT, Nodes, add_text, in_px, linear, quaternion
 
 BEHIND = 0.002  # m, a picture's distance from its plate
 CELLS, PIECE = 10, 5  # of the floor on either side, and points of its lines from one to the next that are drawn
@@ -52,24 +53,15 @@ def add_floor(scene: SceneApi, world: World, dark: bool, shadows: bool) -> None:
     distance = np.linalg.norm(lines - lines.mean((0, 1)), axis=-1, keepdims=True) / (CELLS * CELL * size)
     strength = np.clip(1 - distance**2, 0, 1)
     colours = strength * LOOKS[dark].sections + (1 - strength) * PAPER[dark]
-    ends = slice(None, -1, PIECE), slice(PIECE, None, PIECE)
-    scene.add_line_segments(
-        "/floor",
-        np.stack([lines[:, end] for end in ends], -2).reshape(-1, 2, 3).astype(np.float32),
-        linear(np.stack([colours[:, end] for end in ends], -2).reshape(-1, 2, 3)),
-        thickness=1.0,
-        thickness_units="screen",
-    )
-    scene.add_grid(
-        "/floor/shadows",
-        width=12 * size,
-        height=12 * size,
-        cell_thickness=0.0,
-        section_thickness=0.0,
-        shadow_opacity=0.10,
-        fade_distance=9.0 * size,
-        visible=shadows,
-    )
+    pieces = lambda of: np.stack([of[:, :-1:PIECE], of[:, PIECE::PIECE]], -2).reshape(-1, 2, 3)
+    scene.add_line_segments("/floor", pieces(lines).astype(np.float32), linear(pieces(colours)), **in_px(1.0))
+    invisible: dict[str, Any] = {
+        "cell_thickness": 0.0,
+        "section_thickness": 0.0,
+        "shadow_opacity": 0.10,
+        "fade_distance": 9.0 * size,
+    }
+    scene.add_grid("/floor/shadows", 12 * size, 12 * size, visible=shadows, **invisible)
 
 
 class Fixtures:
@@ -102,52 +94,23 @@ class Fixtures:
                     viser_private.push_jpeg(self._pictures[view], picture)
 
     def _add_solid(self, solid: Solid) -> None:
-        self._nodes.keep(
-            self._client.scene.add_mesh_simple(
-                f"/stage/{solid.name}",
-                solid.vertices,
-                solid.faces,
-                color=getattr(self._look, solid.colour),
-                position=solid.position,
-                wxyz=quaternion(solid.turn),
-            )
-        )
+        add, colour = self._client.scene.add_mesh_simple, getattr(self._look, solid.colour)
+        place: dict[str, Any] = {"position": solid.position, "wxyz": quaternion(solid.turn)}
+        self._nodes.keep(add(f"/stage/{solid.name}", solid.vertices, solid.faces, color=colour, **place))
 
     def _add_frustum(self, name: str, camera: Camera, role: str) -> None:
-        plate = on_plate(camera, corners(camera), self._size)
-        scene = self._client.scene
-        self._nodes.keep(
-            scene.add_line_segments(
-                f"/stage/frustum_{name}",
-                frustum(camera, self._size).astype(np.float32),
-                rgb(role, self._dark),
-                thickness=1.6,
-                thickness_units="screen",
-            )
-        )
-        self._plates[name] = scene.add_mesh_simple(
-            f"/stage/plate_{name}",
-            *sheet(plate),
-            color=self._look.plate,
-            opacity=0.55,
-            cast_shadow=False,
-            receive_shadow=False,
-        )
-        self._nodes.keep(self._plates[name])
+        plate, lines = on_plate(camera, corners(camera), self._size), frustum(camera, self._size).astype(np.float32)
+        scene, keep = self._client.scene, self._nodes.keep
+        keep(scene.add_line_segments(f"/stage/frustum_{name}", lines, rgb(role, self._dark), **in_px(1.6)))
+        shown: dict[str, Any] = {"color": self._look.plate, "opacity": 0.55, **UNLIT}
+        self._plates[name] = keep(scene.add_mesh_simple(f"/stage/plate_{name}", *sheet(plate), **shown))
 
     def _add_picture(self, view: str, camera: Camera) -> None:
         """As large as the plate and just behind it, so that drawings on the plate stay in sight; hidden."""
         T, scale = camera.T_world_camera, self._size * PLATE / np.array(camera.lens.focal)
-        self._pictures[view] = self._client.scene.add_image(
-            f"/stage/picture_{view}",
-            np.zeros((1, 1, 3), np.uint8),
-            camera.width * scale[0],
-            camera.height * scale[1],
-            format="jpeg",
-            cast_shadow=False,
-            receive_shadow=False,
-            wxyz=quaternion(T[:3, :3]),
-            position=on_plate(camera, corners(camera), self._size).mean(0) + self._size * BEHIND * T[:3, 2],
-            visible=False,
-        )
-        self._nodes.keep(self._pictures[view])
+        middle = on_plate(camera, corners(camera), self._size).mean(0) + self._size * BEHIND * T[:3, 2]
+        picture = self._client.scene.add_image(
+            f"/stage/picture_{view}", np.zeros((1, 1, 3), np.uint8), camera.width * scale[0], camera.height * scale[1],
+            format="jpeg", wxyz=quaternion(T[:3, :3]), position=middle, visible=False, **UNLIT,
+        )  # fmt: skip
+        self._pictures[view] = self._nodes.keep(picture)

@@ -19,7 +19,7 @@ from ..model.choices import View
 from ..model.displayed import Displayed
 from ..viser_private import push_array
 from .arms import ALWAYS_SEEN, link_name
-from .nodes import Nodes, linear
+from .nodes import Nodes, in_px, linear
 
 Colours = NDArray | tuple[int, int, int]  # (n, 2, 3) of each end, or one for all
 FAR_AWAY = np.array([0, 0, -50.0])  # m, where nobody looks
@@ -46,20 +46,12 @@ class Moment:
         dots, colours = np.zeros((4 * count, 3)), np.repeat([colour(role) for role in VIEW_ROLES], count, axis=0)
         add_dots = partial(scene.add_point_cloud, point_shape="circle", point_shading="flat", precision="float32")
         self._dots = nodes.keep(add_dots("/now/dots", dots, colours, point_size=0.009 * size))
-        self._recovered = nodes.keep(
-            scene.add_batched_meshes_simple(
-                "/now/recovered",
-                *octahedron(0.02 * size),
-                batched_wxyzs=np.tile([1.0, 0, 0, 0], (count, 1)),
-                batched_positions=np.zeros((count, 3)),
-                batched_colors=linear(colour("recovered")),
-                cast_shadow=False,
-                lod="off",
-            )
-        )
+        placed = np.tile([1.0, 0, 0, 0], (count, 1)), np.zeros((count, 3))
+        shown: dict[str, Any] = {"batched_colors": linear(colour("recovered")), "cast_shadow": False, "lod": "off"}
+        diamonds = scene.add_batched_meshes_simple("/now/recovered", *octahedron(0.02 * size), *placed, **shown)
+        self._recovered = nodes.keep(diamonds)
         ring = partial(scene.add_icosphere, radius=0.017 * size, color=colour("chosen"), cast_shadow=False)
-        arms = "learner", "demonstrator"
-        self._rings = [nodes.keep(ring(f"/now/chosen_{arm}", visible=False)) for arm in arms]
+        self._rings = [nodes.keep(ring(f"/now/chosen_{arm}", visible=False)) for arm in ALWAYS_SEEN]
 
     def draw(self, displayed: Displayed, own: NDArray, demo: NDArray) -> None:
         """own, demo: (N, 3) m, the points on both arms."""
@@ -126,8 +118,7 @@ class Moment:
 def _add_lines(scene: SceneApi, nodes: Nodes, name: str, count: int, colours: Colours, thickness: float) -> Any:
     """Add `count` line segments of a thickness in px."""
     points = np.zeros((count, 2, 3), np.float32)
-    lines = scene.add_line_segments(f"/now/{name}", points, colours, thickness=thickness, thickness_units="screen")
-    return nodes.keep(lines)
+    return nodes.keep(scene.add_line_segments(f"/now/{name}", points, colours, **in_px(thickness)))
 
 
 def of_views(shade: Callable[[str], tuple[int, int, int]], count: int) -> NDArray:
@@ -164,16 +155,9 @@ class ProposedPoint:
 
     def _added(self, arm: str, point: BodyPoints) -> SceneNodeHandle:
         scene = self._world.scene
-        return self._keep(
-            self._client.scene.add_line_segments(
-                f"{link_name(scene, arm, int(point.link[0]))}/proposed",
-                _circles(RADIUS * scene.size),
-                self._colour,
-                thickness=2,
-                thickness_units="screen",
-                position=point.local[0],
-            )
-        )
+        node, add = f"{link_name(scene, arm, int(point.link[0]))}/proposed", self._client.scene.add_line_segments
+        lines = _circles(RADIUS * scene.size)
+        return self._keep(add(node, lines, self._colour, position=point.local[0], **in_px(2)))
 
 
 def _circles(radius: float) -> NDArray:

@@ -1,7 +1,7 @@
 """The nodes of one page's scene, from world to world."""
 
 from functools import lru_cache
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,15 +13,14 @@ from viser.transforms import SO3
 from viewimit.drawing.theme import rgb
 from viewimit.simulation.scene_geometry import default_view
 
+UNLIT: dict[str, Any] = {"cast_shadow": False, "receive_shadow": False}
 Node = TypeVar("Node", bound=SceneNodeHandle)
 
 
 class Nodes:
-    """`begin` a world, `keep` each node as it is added, then `end`, which hides what has not come again.
-
-    Nothing is removed: viser sends every pose of a node that takes another's place under its name. Where one is removed
-    and comes again before the browser has heard of it, it sends no pose that is the default, and the old one stays.
-    """
+    """`begin` a world, `keep` each node as it is added, then `end`, which hides what has not come again. Nothing is
+    removed: viser sends every pose of a node that takes another's place under its name. Where one is removed and comes
+    again before the browser has heard of it, it sends no pose that is the default, and the old one stays."""
 
     def __init__(self) -> None:
         self._of_before: dict[str, SceneNodeHandle] = {}
@@ -47,6 +46,11 @@ def quaternion(rotation: NDArray) -> tuple[float, float, float, float]:
     return w, x, y, z
 
 
+def in_px(thickness: float) -> dict[str, Any]:
+    """Of lines."""
+    return {"thickness": thickness, "thickness_units": "screen"}
+
+
 # Colours as viser takes them.
 
 
@@ -59,10 +63,8 @@ def linear(colour: ArrayLike) -> NDArray:
 
 # Words in the 3-D scene. viser's own labels are black on white in every colour scheme; these have a role's colour.
 
-FONT = ImageFont.truetype(
-    str(ROOT / "fonts" / "Inter-SemiBold.ttf"), 40
-)  # px a line, twice the width that is seen at a pixel ratio of 1
-
+# 40 px a line: twice the width that is seen at a pixel ratio of 1
+FONT = ImageFont.truetype(str(ROOT / "fonts" / "Inter-SemiBold.ttf"), 40)
 TEXT_ROLES = {"demonstrator": "demonstrator-edge", "learner": "learner"}  # that can be read
 
 
@@ -71,19 +73,9 @@ def add_text(
 ) -> ImageHandle:
     """In the colour of an arm's role, turned to who looks from where the default view does. position: (3,) m, its
     middle; line: m, the height of a line."""
-    picture = lettering(text, rgb(TEXT_ROLES[role], dark))
-    height, width, _ = picture.shape
-    return scene.add_image(
-        node,
-        picture,
-        line * width / height,
-        line,
-        format="png",
-        cast_shadow=False,
-        receive_shadow=False,
-        wxyz=quaternion(default_view()),
-        position=position,
-    )
+    picture, turn = lettering(text, rgb(TEXT_ROLES[role], dark)), quaternion(default_view())
+    width = line * picture.shape[1] / picture.shape[0]
+    return scene.add_image(node, picture, width, line, format="png", wxyz=turn, position=position, **UNLIT)
 
 
 @lru_cache(64)

@@ -3,6 +3,7 @@
 import math
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,7 @@ from viewimit.simulation.world import World, hand_position
 from ..model.displayed import Displayed
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue
-from .arms import Arms, link_name
+from .arms import ALWAYS_SEEN, Arms, link_name
 from .fixtures import Fixtures, add_floor, add_light
 from .moment import Moment, ProposedPoint
 from .nodes import Nodes, add_text
@@ -46,16 +47,13 @@ def share_light(server: ViserServer) -> None:
 
 class Scene3D:
     """`build` for a world, then `arms.draw` and `show` as often as needed; `build` again for another world.
-
-    share(robot, arm): puts its meshes on the server's scene, before they are first shown.
-    """
+    share(robot, arm): puts its meshes on the server's scene, before they are first shown."""
 
     def __init__(self, client: ClientHandle, queue: CommandQueue, share: Callable[[str, str], None]):
         self._client, self._queue = client, queue
         self._share = share
         self.arms: Arms | None = None  # before the first world
         self._nodes = Nodes()
-        self._fixtures: Fixtures | None = None  # before the first world
         self._gizmo = HandGizmo(client, queue)
         self._dark, self._shadows, self._fits = False, False, 0
         self._pictured = False  # whether the image plates show pictures
@@ -110,7 +108,7 @@ class Scene3D:
         self._edited = snapshot if points.on else None
         self._proposed.show(None if points.proposal is None else points.proposal.point)
         if model.displayed.pictures or self._pictured:
-            self._standing.show_pictures(model.displayed.pictures)
+            self._fixtures.show_pictures(model.displayed.pictures)
         self._pictured = bool(model.displayed.pictures)
         self._gizmo.show(view.gizmo, self._world, snapshot.theta_demo)
 
@@ -133,27 +131,18 @@ class Scene3D:
         position, target = np.array(camera.position), np.array(camera.look_at)
         return Viewpoint(position, target, float(camera.fov), aspect, BELOW - UNCOVERED)
 
-    @property
-    def _standing(self) -> Fixtures:
-        """The fixtures of the world that was built."""
-        assert self._fixtures is not None
-        return self._fixtures
-
     def _landmarks(self, present: Snapshot) -> NDArray:
         """(k, 3) m: what the default view must hold, the arms where they are and at the ends of their range."""
         return np.concatenate([landmarks(self._world), arm_landmarks(self._world, present.theta, present.theta_demo)])
 
     def _add_point(self, arm: str, i: int) -> None:
-        body = self._world.body
+        body, scene, size = self._world.body, self._client.scene, self._world.scene.size * POINT_SIZE[arm]
         name = f"{link_name(self._world.scene, arm, int(body.link[i]))}/p{i}"
-        scene, colour, position = self._client.scene, rgb(arm, self._dark), body.local[i]
-        add = self._nodes.keep
+        shown: dict[str, Any] = {"color": rgb(arm, self._dark), "position": body.local[i], "cast_shadow": False}
         if arm == "learner":
-            size = self._world.scene.size * POINT_SIZE[arm] / 2
-            add(scene.add_icosphere(name, size, color=colour, subdivisions=2, position=position, cast_shadow=False))
+            self._nodes.keep(scene.add_icosphere(name, size / 2, subdivisions=2, **shown))
         else:
-            shape = octahedron(self._world.scene.size * POINT_SIZE[arm])
-            add(scene.add_mesh_simple(name, *shape, color=colour, position=position, cast_shadow=False))
+            self._nodes.keep(scene.add_mesh_simple(name, *octahedron(size), **shown))
 
     def _take_click(self, origin: NDArray, direction: NDArray) -> None:
         """Choose the point at this ray, on either arm; while points are edited, one that nothing hides, or place
@@ -161,8 +150,7 @@ class Scene3D:
         points, size = self._points, self._world.scene.size
         if not len(points):
             return
-        sizes = [POINT_SIZE["learner"] / 2, POINT_SIZE["demonstrator"] / 2]
-        radius = size * np.repeat(sizes, len(points) // 2)
+        radius = size * np.repeat([POINT_SIZE[arm] / 2 for arm in ALWAYS_SEEN], len(points) // 2)
         hit = None if self._edited is None else self._surface_at(self._edited, origin, direction)
         surface = np.inf if hit is None else hit.distance
         i = picked(points, radius, origin, direction, self._client.camera.fov, surface)
@@ -273,9 +261,8 @@ class HandGizmo:
         nothing, self._size = np.zeros(3), size
         if self._gizmo.scale != SIZE * size:
             self._gizmo.scale = SIZE * size
-        self._name = nodes.keep(
-            add_text(self._client.scene, f"{NODE}_name", "hand", "demonstrator", dark, nothing, LINE * size)
-        )
+        name = add_text(self._client.scene, f"{NODE}_name", "hand", "demonstrator", dark, nothing, LINE * size)
+        self._name = nodes.keep(name)
         self._hand = self._visible = None
 
     def show(self, visible: bool, world: World, theta_demo: NDArray) -> None:
@@ -298,12 +285,10 @@ REACH = 0.02  # of the canvas's height that a click may be off: a fingertip, 12 
 def picked(
     points: NDArray, radius: NDArray, origin: NDArray, direction: NDArray, fov: float, surface: float = np.inf
 ) -> int | None:
-    """Index of the one of (k, 3) points that a click at this ray means, None if all are too far from it.
-
-    radius: (k,) m, as they are drawn; origin (3,) m, direction (3,): the ray; fov: rad, of the canvas's height;
-    surface: m from the origin, where the ray ends: drawings behind that are hidden.
-    Of points that are drawn under the click it is the one nearest to the eye, else the one nearest to the click.
-    """
+    """Index of the one of (k, 3) points that a click at this ray means, None if all are too far from it. radius: (k,)
+    m, as they are drawn; origin (3,) m, direction (3,): the ray; fov: rad, of the canvas's height; surface: m from the
+    origin, where the ray ends: drawings behind that are hidden. Of points that are drawn under the click it is the one
+    nearest to the eye, else the one nearest to the click."""
     away = points - origin
     depth = away @ (direction / np.linalg.norm(direction))
     offset = np.sqrt(np.maximum((away**2).sum(-1) - depth**2, 0))

@@ -34,8 +34,7 @@ NO_SEAT = "All seats are taken ({why}). This page tries again every few seconds;
 
 class AccessControl:
     """`serve` stands for websockets' own. origins: pages elsewhere that may connect, as scheme://host:port; lab: pages
-    of the lab, itself "", lessons by name.
-    """
+    of the lab, itself "", lessons by name."""
 
     def __init__(self, limits: Limits, origins: Iterable[str], lab: Callable[[str], str | None] = lambda lesson: None):
         self._lab = lab
@@ -63,18 +62,10 @@ class AccessControl:
             await handler(connection)
 
         asyncio.get_running_loop().set_exception_handler(self._tell_fault)
-        return plain(
-            handle,
-            host,
-            port,
-            **options
-            | serving_options(
-                partial(GuardedConnection, self.pending, self.seats, self.limits, self.belongs_to_another),
-                lambda connection, request: self._answer(connection, request, process_request),
-                MOST_MESSAGE,
-                self.limits,
-            ),
-        )
+        given = {"belongs_to_another": self.belongs_to_another}
+        create = partial(GuardedConnection, self.pending, self.seats, self.limits, **given)
+        answer = lambda connection, request: self._answer(connection, request, process_request)
+        return plain(handle, host, port, **options | serving_options(create, answer, MOST_MESSAGE, self.limits))
 
     def _tell_fault(self, _loop: asyncio.AbstractEventLoop, context: dict) -> None:
         """Without file descriptors asyncio tells a hundred a second."""

@@ -22,11 +22,9 @@ NAME = re.compile(r"[\w.-]{1,253}", re.ASCII)  # of a machine, as browsers send 
 
 
 def is_own_page(origin: str, host: str, allowed: Collection[str]) -> bool:
-    """origin, host: the headers of a handshake; allowed: origins elsewhere that are trusted.
-
-    A page of another site could reach this server under a name of its own that it has let point here
-    (DNS rebinding); its Origin and Host agree then, so the name itself must be known: an address, or this machine's.
-    """
+    """origin, host: the headers of a handshake; allowed: origins elsewhere that are trusted. A page of another site
+    could reach this server under a name of its own that it has let point here (DNS rebinding); its Origin and Host
+    agree then, so the name itself must be known: an address, or this machine's."""
     origin = origin.lower().rstrip("/")
     if origin in {other.lower().rstrip("/") for other in allowed}:
         return True
@@ -51,12 +49,11 @@ def require_origin(text: str) -> None:
     """Raises ValueError for what no browser sends as an origin: it begins with a scheme and ends with host or port."""
     try:
         page = urlsplit(text.lower())
-        known = page.scheme in PORTS and bool(page.hostname) and (page.port is None or page.port > 0)
+        name, plain = page.hostname or "", page.username is None and page.path in ("", "/")
+        known = page.scheme in PORTS and page.port != 0 and plain and not (page.query or page.fragment)
+        known = known and (_is_address(name) or NAME.fullmatch(name) is not None)
     except ValueError:
         known = False
-    else:
-        known = known and page.username is None and page.path in ("", "/") and not (page.query or page.fragment)
-        known = known and (_is_address(page.hostname or "") or NAME.fullmatch(page.hostname or "") is not None)
     if not known:
         raise ValueError(f"{text!r} is no origin: say the scheme, host and no path, such as https://class.example.org")
 
@@ -110,14 +107,8 @@ def listen(host: str, port: int) -> list[socket.socket]:
     """Listening sockets on all addresses of a name. port 0 takes a free one. Raises OSError."""
     listeners: list[socket.socket] = []
     for family, *_, place in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE):
-        listener = socket.socket(family, socket.SOCK_STREAM)
-        _claim(listener)
-        if family == socket.AF_INET6:
-            listener.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
         chosen = listeners[0].getsockname()[1] if listeners else port
-        listener.bind((place[0], chosen, *place[2:]))
-        listener.listen(BACKLOG)
-        listeners.append(listener)
+        listeners.append(socket.create_server((place[0], chosen, *place[2:]), family=family, backlog=BACKLOG))
     return listeners
 
 
@@ -133,23 +124,13 @@ def require_free(host: str, port: int) -> None:
 
 def _is_free(host: str, port: int) -> bool:
     try:
-        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
-        with socket.socket(family, socket.SOCK_STREAM) as probe:
-            _claim(probe)
-            probe.bind(address)
+        family, *_, place = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
+        socket.create_server(place, family=family).close()
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
             return False
         raise OSError(f"cannot listen on {host}, port {port}: {error.strerror}") from None
     return True
-
-
-def _claim(listener: socket.socket) -> None:
-    """Let it bind a port that was left lately, but none at which a program listens."""
-    if sys.platform == "win32":  # where SO_REUSEADDR would take the port of a program that listens
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
-    else:
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
 
 
 def address(host: str, port: int) -> str:

@@ -23,25 +23,15 @@ log = logging.getLogger(__name__)
 
 
 class GuardedConnection(Connection):
-    """A connection whose `recv` returns messages that were checked only.
-
-    client: viser's of it, from the first view on; seats: those that are taken; belongs_to_another(uuid): whether
-    another client has such a widget.
-    """
+    """A connection whose `recv` returns messages that were checked only. client: viser's of it, from the first view on;
+    seats: those that are taken; belongs_to_another(uuid): whether another client has such a widget."""
 
     client: ClientHandle | None = None
 
-    def __init__(
-        self,
-        pending: PendingConnections,
-        seats: set["GuardedConnection"],
-        limits: Limits,
-        belongs_to_another: Callable[[str], bool],
-        *args,
-        **options,
-    ):
+    def __init__(self, pending: PendingConnections, seats: set["GuardedConnection"], limits: Limits, *args, **options):
+        self._belongs_to_another: Callable[[str], bool] = options.pop("belongs_to_another")
         super().__init__(pending, *args, **options)
-        self._seats, self._limits, self._belongs_to_another = seats, limits, belongs_to_another
+        self._seats, self._limits = seats, limits
         self._frames = TokenBucket(FRAMES_A_SECOND, FRAMES_AT_ONCE)
         self._refusals = TokenBucket(REFUSALS_A_SECOND, REFUSALS_AT_ONCE)
         self._validator: MessageValidator | None = None
@@ -67,6 +57,10 @@ class GuardedConnection(Connection):
         self.pending.discard(self)
         self._seats.add(self)
         self._starts = self.loop.call_later(self._limits.page_within, self._end_if_idle)
+
+    def _end_if_idle(self) -> None:
+        if self.client is None:
+            self._end(CloseCode.POLICY_VIOLATION, "a seat for nobody: no page has come")
 
     def process_event(self, event) -> None:
         if self.request is not None and not self._frames.take():
@@ -98,17 +92,13 @@ class GuardedConnection(Connection):
         message = messages.read(raw)
         if self._validator is None:
             if self.client is None:
-                if not isinstance(message, messages.ViewerCameraMessage):
-                    raise Hostile(f"{type(message).__name__} before the first view")
+                if message.type != "ViewerCameraMessage":
+                    raise Hostile(f"{message.type} before the first view")
                 return
             self._validator = MessageValidator(self.client, self._belongs_to_another)
             if self._starts is not None:
                 self._starts.cancel()
         self._validator.admit(message)
-
-    def _end_if_idle(self) -> None:
-        if self.client is None:
-            self._end(CloseCode.POLICY_VIOLATION, "a seat for nobody: no page has come")
 
     def _end(self, code: CloseCode, what: str) -> None:
         """Log the reason and close. Later messages are not read; without a closing handshake it is aborted."""

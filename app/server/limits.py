@@ -47,11 +47,9 @@ UNKNOWN = 1  # the address of a client that is gone already, or is none
 
 
 def network_of(peer: tuple | None) -> int:
-    """Return the address that limits count by, of a socket's peer: 64 bits, not 0.
-
-    A machine may take any of the 2^64 addresses of an IPv6 network. So the first half counts; of link-local addresses,
-    which all begin alike, the second.
-    """
+    """Return the address that limits count by, of a socket's peer: 64 bits, not 0. A machine may take any of the 2^64
+    addresses of an IPv6 network. So the first half counts; of link-local addresses, which all begin alike, the
+    second."""
     try:
         address = ipaddress.ip_address(peer[0] if peer else "")
     except ValueError:  # as proxies may name a client
@@ -65,10 +63,8 @@ def network_of(peer: tuple | None) -> int:
 
 
 class PendingConnections:
-    """Connections that have no seat yet. Of too many the oldest is closed: it is likeliest to send nothing.
-
-    most: at a time; most_of_one: from one address, as `network_of` returns it.
-    """
+    """Connections that have no seat yet. Of too many the oldest is closed: it is likeliest to send nothing. most: at a
+    time; most_of_one: from one address, as `network_of` returns it."""
 
     def __init__(self, most: int, most_of_one: int):
         self._most, self._most_of_one = most, most_of_one
@@ -125,11 +121,8 @@ class Limits:
 
 @dataclass(frozen=True)
 class ServerOptions:
-    """The options of a server.
-
-    settings: of each new session; origins: of pages elsewhere that may connect; lessons: of a lecturer's own, by name,
-    before those that are shipped; host: on which it listens.
-    """
+    """The options of a server. settings: of each new session; origins: of pages elsewhere that may connect; lessons: of
+    a lecturer's own, by name, before those that are shipped; host: on which it listens."""
 
     settings: Settings = Settings.paper()
     limits: Limits = Limits()

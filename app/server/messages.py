@@ -46,70 +46,28 @@ class Hostile(ValueError):
     """A message that no browser sends; its connection is closed."""
 
 
-class _Message(msgspec.Struct, forbid_unknown_fields=True):
-    type: str
-
-
-class ViewerCameraMessage(_Message):
-    wxyz: Quaternion
-    position: Triple
-    fov: Real
-    near: Real
-    far: Real
-    image_height: Count
-    image_width: Count
-    look_at: Triple
-    up_direction: Triple
-
-
-class GuiUpdateMessage(_Message):
-    uuid: Name
-    updates: dict[str, Any]
-
-
-class CommandTriggerMessage(_Message):
-    uuid: Name
-
-
-class TransformControlsUpdateMessage(_Message):
-    name: Name
-    wxyz: Quaternion
-    position: Triple
-    owner: Name
-
-
-class TransformControlsDragStartMessage(_Message):
-    name: Name
-    owner: Name
-
-
-class TransformControlsDragEndMessage(_Message):
-    name: Name
-    owner: Name
-
-
-class ScenePointerMessage(_Message):
-    event_type: Literal["click"]
-    ray_origin: Triple
-    ray_direction: Triple
-    screen_pos: tuple[Pair]
-    modifier: None
-
-
-class FileTransferStartUpload(_Message):
-    source_component_uuid: Name
-    transfer_uuid: Name
-    filename: Name
-    mime_type: Name
-    part_count: Size
-    size_bytes: Size
-
-
-class FileTransferPart(_Message):
-    source_component_uuid: Name
-    transfer_uuid: Name
-    part_index: Size
-    content: bytes
+_MESSAGES: dict[str, list[tuple[str, Any]]] = {  # fields by type, as in viser._messages
+    "ViewerCameraMessage": [
+        ("wxyz", Quaternion), *((name, Triple) for name in ("position", "look_at", "up_direction")),
+        *((name, Real) for name in ("fov", "near", "far")), ("image_height", Count), ("image_width", Count),
+    ],
+    "GuiUpdateMessage": [("uuid", Name), ("updates", dict[str, Any])],
+    "CommandTriggerMessage": [("uuid", Name)],
+    "TransformControlsUpdateMessage": [("name", Name), ("wxyz", Quaternion), ("position", Triple), ("owner", Name)],
+    "TransformControlsDragStartMessage": [("name", Name), ("owner", Name)],
+    "TransformControlsDragEndMessage": [("name", Name), ("owner", Name)],
+    "ScenePointerMessage": [
+        ("event_type", Literal["click"]), ("ray_origin", Triple), ("ray_direction", Triple),
+        ("screen_pos", tuple[Pair]), ("modifier", None),
+    ],
+    "FileTransferStartUpload": [
+        *((name, Name) for name in ("source_component_uuid", "transfer_uuid", "filename", "mime_type")),
+        ("part_count", Size), ("size_bytes", Size),
+    ],
+    "FileTransferPart": [
+        ("source_component_uuid", Name), ("transfer_uuid", Name), ("part_index", Size), ("content", bytes),
+    ],
+}  # fmt: skip
 
 
 class _Kind(msgspec.Struct):
@@ -117,10 +75,13 @@ class _Kind(msgspec.Struct):
 
 
 _read_kind = msgspec.msgpack.Decoder(_Kind).decode
-_READERS = {kind.__name__: msgspec.msgpack.Decoder(kind).decode for kind in _Message.__subclasses__()}
+_READERS = {
+    name: msgspec.msgpack.Decoder(msgspec.defstruct(name, [("type", str), *fields], forbid_unknown_fields=True)).decode
+    for name, fields in _MESSAGES.items()
+}
 
 
-def read(raw: bytes | str) -> msgspec.Struct:
+def read(raw: bytes | str) -> Any:
     """A message as it came. Raises Hostile, or Refused for values out of their range."""
     if isinstance(raw, str):
         raise Hostile("text, which is no message")
@@ -130,7 +91,7 @@ def read(raw: bytes | str) -> msgspec.Struct:
         raise Hostile(f"a malformed message: {error}") from None
     if kind not in _READERS:
         raise Hostile(f"a message of the type {kind[:40]!r}")
-    if len(raw) > MOST_BUT_PARTS and kind != FileTransferPart.__name__:
+    if len(raw) > MOST_BUT_PARTS and kind != "FileTransferPart":
         raise Hostile(f"a {kind} of more than {MOST_BUT_PARTS} bytes")
     try:
         return _READERS[kind](raw)
@@ -150,30 +111,28 @@ UNIT = 1e-3  # that a direction's length may be off 1
 
 
 class MessageValidator:
-    """Checks messages against the client's own page. `admit` raises Refused or Hostile.
-
-    belongs_to_another(uuid): whether some other client has such a widget.
-    """
+    """Checks messages against the client's own page. `admit` raises Refused or Hostile. belongs_to_another(uuid):
+    whether some other client has such a widget."""
 
     def __init__(self, client: ClientHandle, belongs_to_another: Callable[[str], bool]):
         self._client, self._belongs_to_another = client, belongs_to_another
         self._uploads = Uploads(lambda transfer: viser_private.drop_upload(client, transfer))
-        self._checks: dict[type, Callable] = {
-            ViewerCameraMessage: lambda message: None,
-            GuiUpdateMessage: self._check_update,
-            CommandTriggerMessage: self._check_command,
-            TransformControlsUpdateMessage: self._check_gizmo,
-            TransformControlsDragStartMessage: self._check_gizmo,
-            TransformControlsDragEndMessage: self._check_gizmo,
-            ScenePointerMessage: self._check_click,
-            FileTransferStartUpload: self._check_upload,
-            FileTransferPart: self._uploads.add,
+        self._checks: dict[str, Callable[[Any], None]] = {
+            "ViewerCameraMessage": lambda message: None,
+            "GuiUpdateMessage": self._check_update,
+            "CommandTriggerMessage": self._check_command,
+            "TransformControlsUpdateMessage": self._check_gizmo,
+            "TransformControlsDragStartMessage": self._check_gizmo,
+            "TransformControlsDragEndMessage": self._check_gizmo,
+            "ScenePointerMessage": self._check_click,
+            "FileTransferStartUpload": self._check_upload,
+            "FileTransferPart": self._uploads.add,
         }
 
-    def admit(self, message) -> None:
-        self._checks[type(message)](message)
+    def admit(self, message: Any) -> None:
+        self._checks[message.type](message)
 
-    def _check_update(self, message: GuiUpdateMessage) -> None:
+    def _check_update(self, message: Any) -> None:
         widget = self._own(message.uuid)
         if set(message.updates) != {"value"}:
             raise Hostile(f"other fields of a widget than its value: {', '.join(message.updates)[:80]}")
@@ -188,19 +147,19 @@ class MessageValidator:
             viser_private.push_value(self._client, widget)  # else the browser would go on showing the refused value
             raise
 
-    def _check_command(self, message: CommandTriggerMessage) -> None:
+    def _check_command(self, message: Any) -> None:
         if message.uuid not in viser_private.own(self._client).commands:
             raise Refused("a command that this page does not have")
 
-    def _check_gizmo(self, message) -> None:
+    def _check_gizmo(self, message: Any) -> None:
         if message.name not in viser_private.own(self._client).gizmos:
             raise Refused("a handle in the scene that this page does not have")
 
-    def _check_click(self, message: ScenePointerMessage) -> None:
+    def _check_click(self, message: Any) -> None:
         if not math.isclose(math.hypot(*message.ray_direction), 1, abs_tol=UNIT):
             raise Refused("a click along no direction")
 
-    def _check_upload(self, message: FileTransferStartUpload) -> None:
+    def _check_upload(self, message: Any) -> None:
         if not isinstance(self._own(message.source_component_uuid), GuiUploadButtonHandle):
             raise Hostile("an upload to what takes none")
         self._uploads.begin(message)
@@ -219,10 +178,10 @@ class Uploads:
 
     def __init__(self, drop: Callable[[str], None]):
         self._drop = drop
-        self._going_on: dict[str, tuple[FileTransferStartUpload, set[int]]] = {}
+        self._going_on: dict[str, tuple[Any, set[int]]] = {}
         self._refused: str | None = None  # transfer whose parts are still on their way
 
-    def begin(self, message: FileTransferStartUpload) -> None:
+    def begin(self, message: Any) -> None:
         self._refused = message.transfer_uuid
         if message.size_bytes > MOST_BYTES:
             raise Refused(f"an upload of {message.size_bytes} bytes; at most {MOST_BYTES} are taken")
@@ -235,15 +194,14 @@ class Uploads:
         self._refused = None
         if message.part_count:
             self._going_on[message.transfer_uuid] = message, set()
-            # which keeps nothing of a client that has gone
-            asyncio.get_running_loop().call_later(UPLOAD_WITHIN, _end, weakref.ref(self), message.transfer_uuid)
-
-    def add(self, part: FileTransferPart) -> None:
-        if part.transfer_uuid not in self._going_on:
-            what = (
-                "a part of an upload that was refused" if part.transfer_uuid == self._refused else "a part of no upload"
+            asyncio.get_running_loop().call_later(
+                UPLOAD_WITHIN, _end, weakref.WeakMethod(self.end), message.transfer_uuid
             )
-            raise Refused(what)
+
+    def add(self, part: Any) -> None:
+        if part.transfer_uuid not in self._going_on:
+            was_refused = part.transfer_uuid == self._refused
+            raise Refused("a part of an upload that was refused" if was_refused else "a part of no upload")
         begun, parts = self._going_on[part.transfer_uuid]
         if part.part_index >= begun.part_count or part.part_index in parts:
             raise Hostile(f"part {part.part_index} of {begun.part_count} of an upload")
@@ -261,10 +219,10 @@ class Uploads:
             self._drop(transfer)
 
 
-def _end(uploads: "weakref.ref[Uploads]", transfer: str) -> None:
-    there = uploads()
-    if there is not None:
-        there.end(transfer)
+def _end(end: weakref.WeakMethod, transfer: str) -> None:
+    """Keeps nothing of a client that has gone."""
+    if (there := end()) is not None:
+        there(transfer)
 
 
 def _shown(value) -> str:

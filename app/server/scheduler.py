@@ -21,9 +21,7 @@ log = logging.getLogger(__name__)
 
 class Scheduler:
     """Pages are added when they are built and removed when their tab is gone, both in the loop's own thread.
-
-    heartbeat(): called once a second.
-    """
+    heartbeat(): called once a second."""
 
     def __init__(self, heartbeat: Callable[[], None] = lambda: None):
         self._heartbeat = heartbeat

@@ -24,10 +24,8 @@ log = logging.getLogger(__name__)
 
 
 def serve(options: ServerOptions, port: int = 8080, open_browser: bool = False) -> None:
-    """Serve the page until SIGINT, SIGTERM, or until its terminal is closed. port 0 takes a free one.
-
-    Raises ValueError for settings that cannot be, PortInUse for a port that is taken.
-    """
+    """Serve the page until SIGINT, SIGTERM, or until its terminal is closed. port 0 takes a free one. Raises ValueError
+    for settings that cannot be, PortInUse for a port that is taken."""
     host = options.host
     Session(options.settings)  # bad settings must fail here, not in every visitor's tab
     require_free(host, port)
@@ -66,8 +64,6 @@ def _end() -> None:
 
 
 def usual_per_address(host: str, max_clients: int) -> int:
-    """Tabs that one address may have: all where only this machine comes, on which a proxy may stand.
-
-    Else a class behind one router needs most, and a tenth is left for who comes from elsewhere.
-    """
+    """Tabs that one address may have: all where only this machine comes, on which a proxy may stand. Else a class
+    behind one router needs most, and a tenth is left for who comes from elsewhere."""
     return max_clients if is_loopback(host) else max_clients - max_clients // 10

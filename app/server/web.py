@@ -62,11 +62,8 @@ def plain_response(status: HTTPStatus, text: str, kind: str = "text/plain", **mo
 
 
 def content_policy(host: str, scripts: str, *more: str, ancestors: Sequence[str] = ()) -> str:
-    """Return the content policy of a page that may talk to its own host alone.
-
-    host: as the request names it; scripts: its sources; more: further rules; ancestors: origins of pages that may show
-    it in a frame.
-    """
+    """Return the content policy of a page that may talk to its own host alone. host: as the request names it; scripts:
+    its sources; more: further rules; ancestors: origins of pages that may show it in a frame."""
     sockets = f" ws://{host} wss://{host}" if HOST.fullmatch(host) else ""
     return "; ".join(
         (

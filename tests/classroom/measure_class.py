@@ -105,10 +105,10 @@ async def measure(server, students, seconds):
         await many.answer(asked)
         await until(lambda: len(many.acked) + many.refused >= students)
         report["answers_ms"], report["answered"] = percentile(many.acked), len(many.acked)
-        lecturer.send("close")
+        lecturer.send("do", what="close")
         # all are led, and answer meanwhile at their own pace
         many.acked = []
-        lecturer.send("lead", on=True)
+        lecturer.send("switch", what="lead", on=True)
         await asyncio.sleep(1)
         before, begun = cpu_s(server.process), time.monotonic()
         leading = asyncio.create_task(lead(lecturer, seconds))
@@ -120,7 +120,7 @@ async def measure(server, students, seconds):
         report["led_answers_ms"], report["screens_ms"] = percentile(many.acked), percentile(many.screens)
         report["screens"] = len(many.screens)
         report["share_of_screens"] = len(many.screens) / (students * seconds * SCREENS_PER_S)
-        lecturer.send("lead", on=False)
+        lecturer.send("switch", what="lead", on=False)
 
     await many.run(job)
     lecturer.close()

@@ -89,9 +89,9 @@ def lecturer(browser, server):
     yield tab
     assert not tab.problems
     for verb in ("close", "new"):
-        tab.page.evaluate("kind => classroom.link.send({kind})", verb)
-    for verb in ("lead", "freeze", "hide"):
-        tab.page.evaluate("kind => classroom.link.send({kind, on: false})", verb)
+        tab.page.evaluate("what => classroom.link.send({kind: 'do', what})", verb)
+    for verb in ("lead", "frozen", "hidden"):
+        tab.page.evaluate("what => classroom.link.send({kind: 'switch', what, on: false})", verb)
     tab.wait("!classroom.orders.asked && !classroom.orders.hidden")
     tab.close()
 

@@ -31,10 +31,10 @@ def server():
 def lecturer(server):
     lecturer = Lecturer(server)
     yield lecturer
-    for on in ("lead", "freeze", "hide"):
-        lecturer.send(on, on=False)
-    lecturer.send("close")
-    lecturer.send("new")
+    for what in ("lead", "frozen", "hidden"):
+        lecturer.send("switch", what=what, on=False)
+    lecturer.send("do", what="close")
+    lecturer.send("do", what="new")
     lecturer.orders(lambda o: not o["asked"] and not o["lead"] and not o["hidden"])
     lecturer.close()
 
@@ -97,7 +97,7 @@ def test_a_question_is_counted_revealed_asked_again_and_compared_with_the_first_
     assert found["moved"] == {"right": 2, "gained": 1, "lost": 0, "wrong": 0}
     assert found["moved_since_first"] == {"right": 1, "gained": 2, "lost": 0, "wrong": 0}
     assert [found[one]["right"] for one in ("first", "before", "now")] == [1, 2, 3]
-    lecturer.send("close")
+    lecturer.send("do", what="close")
     assert not students[0].orders(lambda o: not o["asked"])["asked"]
 
 
@@ -129,14 +129,14 @@ def test_what_only_a_page_computes_is_judged_by_the_lecturers_truth(lecturer, st
 
 def test_who_leads_is_followed_until_they_let_go_and_late_comers_hear_it(server, lecturer, students):
     lecturer.send("state", state=STATE)
-    lecturer.send("lead", on=True)
+    lecturer.send("switch", what="lead", on=True)
     assert students[0].orders(lambda o: o["lead"])["lead"]
     lecturer.send("state", state=STATE)
     assert students[0].wait("screen")["state"] == STATE
     late = Student(server)
     assert late.last("orders")["lead"] and late.wait("screen")["state"] == STATE
     assert len([m for m in students[0].heard if m["kind"] == "screen"]) == 1, "none from before"
-    lecturer.send("lead", on=False)
+    lecturer.send("switch", what="lead", on=False)
     students[0].orders(lambda o: not o["lead"])
     lecturer.send("state", state=STATE, once=True)
     assert students[0].wait("send")["state"] == STATE
@@ -148,9 +148,9 @@ def test_all_are_gathered_frozen_and_reset_and_the_truth_is_hidden(server, lectu
     first = students[0].orders(lambda o: o["gather"])["gather"]
     lecturer.send("gather", lesson="tour", step="line")
     assert students[0].orders(lambda o: o["gather"] != first)["gather"]["number"] == first["number"] + 1
-    lecturer.send("freeze", on=True)
-    lecturer.send("hide", on=True)
-    lecturer.send("reset")
+    lecturer.send("switch", what="frozen", on=True)
+    lecturer.send("switch", what="hidden", on=True)
+    lecturer.send("do", what="reset")
     students[1].orders(lambda o: o["frozen"] and o["hidden"] and o["reset"])
     late = Student(server)
     assert late.last("orders")["hidden"]
@@ -179,7 +179,7 @@ def test_only_who_types_the_code_is_the_lecturer_and_leaves_with_one_message(ser
     guess.send("at", lesson="tour", step="eyes")
     wait_until(lambda: len(people(lecturer)) == 3)
     stays(lambda: len(people(lecturer)) == 3, 1)
-    guess.send("logout")
+    guess.send("do", what="logout")
     guess.wait("student")
     wait_until(lambda: len(people(lecturer)) == 4)
     guess.close()
@@ -212,7 +212,7 @@ def test_a_restart_loses_nothing():
     with ClassServer() as server:
         lecturer, student = Lecturer(server), Student(server, name="Mira")
         lecturer.send("gather", lesson="tour", step="line")
-        lecturer.send("hide", on=True)
+        lecturer.send("switch", what="hidden", on=True)
         round = lecturer.ask()
         assert student.vote(round, 1, right=False)["kind"] == "ack"
         number = exported(lecturer)[0]["person"]
@@ -232,8 +232,8 @@ def test_a_restart_loses_nothing():
 def test_without_a_lecturer_students_are_let_go():
     with ClassServer() as server:
         lecturer, student = Lecturer(server), Student(server)
-        lecturer.send("freeze", on=True)
-        lecturer.send("hide", on=True)
+        lecturer.send("switch", what="frozen", on=True)
+        lecturer.send("switch", what="hidden", on=True)
         lecturer.ask()
         student.orders(lambda o: o["frozen"] and o["hidden"] and o["asked"])
         lecturer.close()
@@ -243,7 +243,7 @@ def test_without_a_lecturer_students_are_let_go():
 
 def exported(lecturer):
     before = lecturer.last("csv")
-    lecturer.send("export")
+    lecturer.send("do", what="export")
     return list(csv.DictReader(io.StringIO(lecturer.wait("csv", lambda m: m is not before)["text"])))
 
 
@@ -306,7 +306,7 @@ def test_the_gain_is_of_those_who_answered_both_times_and_of_no_few(server, lect
                 kept = student.answer("questions", "line", {"choice": 0 if right else 1}, phase=phase, right=not right)
                 assert student.reply(kept)["kind"] == "ack"
         lecturer.heard[:] = [m for m in lecturer.heard if m["kind"] != "gain"]
-        lecturer.send("gain")
+        lecturer.send("do", what="gain")
         found = lecturer.wait("gain")["learned"]
         assert found["enough"] == (k >= 4) and (k >= 4) == (found["gain"] is not None)
     assert found["persons"] == 6 and found["items"] == [{"item": "line", "persons": 6, "before": 3, "after": 5}]
@@ -344,7 +344,7 @@ HOSTILE = {
         "exactly one",
     ),
     "no number": ('{"kind":"answer","seq":1,"lesson":"t","step":"e","answer":{"number":NaN}}', "no message"),
-    "a line break": ('{"kind":"reset","x\\nwarning: all is well":1}', "no message"),
+    "a line break": ('{"kind":"do","x\\nwarning: all is well":1}', "no message"),
     "orders of a student": ('{"kind":"ask","lesson":"tour","step":"eyes"}', "not the lecturer"),
     "a second hello": ('{"kind":"hello","token":"' + "0" * 32 + '"}', "one hello"),
 }

@@ -8,8 +8,8 @@ import time
 import numpy as np
 import pytest
 from PIL import Image
-from viewimit.app.jobs.camera_child import MOST_SCENES, serve
 from viewimit.app.jobs.camera_images import CameraLost, CameraProcess, eyes_beside
+from viewimit.app.jobs.child import MOST_SCENES, answer_looks
 from waiting import wait_until
 
 from viewimit.loop.session import Session
@@ -42,7 +42,7 @@ class OddEyes:
 
 
 def odd_work(connection):
-    serve(connection, OddEyes, 0.3)
+    answer_looks(connection, OddEyes, 0.3)
 
 
 @pytest.fixture

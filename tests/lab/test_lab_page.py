@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from browsing import sparing
 from msgspec.structs import replace
-from viewimit.app.lab.methods import lab_methods
-from viewimit.app.lab.page import lab_address, lab_lacks, lab_page
+from viewimit.app.lab.page import lab_page
+from viewimit.app.lab.recording import lab_methods
+from viewimit.app.model.keeping import lab_address, lab_lacks
 from viewimit.app.model.link import read_link
 from viewimit.app.presets import LAB_PRESETS, PRESETS
 from waiting import wait_until

@@ -12,9 +12,8 @@ from viewimit.app.lab.lessons.page import lesson_page
 from viewimit.app.lab.lessons.records import MAX_MOTIONS
 from viewimit.app.lab.lessons.sign import signed_runs
 from viewimit.app.lab.lessons.source import shipped
-from viewimit.app.lab.methods import lab_methods
 from viewimit.app.lab.page import lab_page
-from viewimit.app.lab.recording import record
+from viewimit.app.lab.recording import lab_methods, record
 from viewimit.app.presets import LAB_PRESETS
 
 from viewimit import Session

@@ -8,7 +8,7 @@ from viewimit.app.commands import COMMANDS
 from viewimit.app.jobs.experiments import Run
 from viewimit.app.model.choices import AS_STARTED, OF_ARMS, OF_IMAGES, PRESETS, joint_choices, presets_from
 from viewimit.app.model.keeping import tab_link
-from viewimit.app.model.queue import PENDING_LIMIT, Command, CommandQueue
+from viewimit.app.model.queue import NOT_TAKEN, PENDING_LIMIT, Command, CommandQueue
 
 from viewimit.experiments import EXPERIMENTS
 from viewimit.loop.settings import Settings
@@ -106,12 +106,15 @@ def test_the_queue_keeps_the_newest_value_and_every_action_up_to_a_limit():
         queue.call("pose", 0, value)
         queue.call("step")
     queue.call("pose", 1, -3)
+    told = []
     for entry in queue.take():
-        entry.apply(None, 0.0)
+        try:
+            entry.apply(None, 0.0)
+        except ValueError as why:
+            told.append(str(why))
     values = dict(one for one in done if one != "step")
     assert values == {0: 999, 1: -3} and done[0] == (0, 0) and len(done) <= PENDING_LIMIT + 1
-    assert 1 <= done.count("step") <= PENDING_LIMIT
-    assert queue.take() == []
+    assert 1 <= done.count("step") <= PENDING_LIMIT and told == [NOT_TAKEN] and queue.take() == []
 
 
 def test_what_a_person_did_is_done_in_that_order(page):

@@ -36,9 +36,9 @@ def test_on_its_way_an_arm_is_shown_in_3d_and_no_picture_changes(camera, visit):
     visit.act("step")
     visit.rest()
     looks = len(camera.asked)
-    theta, moving = visit.player.theta(visit.now)
+    theta, moving = visit.player.runners[0].theta(visit.now)
     visit.tick(3)
-    assert moving and not np.array_equal(theta, visit.player.theta(visit.now)[0])
+    assert moving and not np.array_equal(theta, visit.player.runners[0].theta(visit.now)[0])
     assert visit.images == before
     visit.tick(20)
     assert visit.images != before and visit.photographs == VIEWS

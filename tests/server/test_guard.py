@@ -8,12 +8,12 @@ import urllib.error
 import urllib.request
 import weakref
 from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
 
 import pytest
 from browsing import PATIENCE_MS, PATIENCE_S, STATUS, sparing
 from protocol import VIEW, Client
 from serving import Server
-from viewimit.app.server import messages as message_schema
 from viewimit.app.server.address import is_own_page
 from viewimit.app.server.connection import FRAMES_AT_ONCE, MOST_MESSAGE
 from viewimit.app.server.messages import MOST_BUT_PARTS, MOST_BYTES, PART, Refused, Uploads
@@ -220,9 +220,8 @@ def send_part(client, transfer: str, index: int, content: bytes) -> None:
     )
 
 
-def begun(transfer: str, size: int) -> message_schema.FileTransferStartUpload:
-    return message_schema.FileTransferStartUpload(
-        "",
+def begun(transfer: str, size: int) -> SimpleNamespace:
+    return SimpleNamespace(
         source_component_uuid="a",
         transfer_uuid=transfer,
         filename="motion.json",
@@ -232,10 +231,8 @@ def begun(transfer: str, size: int) -> message_schema.FileTransferStartUpload:
     )
 
 
-def part_of(transfer: str, index: int, size: int = PART) -> message_schema.FileTransferPart:
-    return message_schema.FileTransferPart(
-        "", source_component_uuid="a", transfer_uuid=transfer, part_index=index, content=bytes(size)
-    )
+def part_of(transfer: str, index: int, size: int = PART) -> SimpleNamespace:
+    return SimpleNamespace(source_component_uuid="a", transfer_uuid=transfer, part_index=index, content=bytes(size))
 
 
 def in_a_loop(coroutine):

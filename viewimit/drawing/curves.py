@@ -10,6 +10,8 @@ from ..loop.snapshot import Snapshot
 from . import svg
 from .plots import Axes, Tick, decade_ticks, decades, log10
 
+Floats = NDArray[np.float64]
+
 HEIGHT = 116  # px of one plot
 LEFT, RIGHT, TOP, BOTTOM = 40, 112, 24, 20  # px around a plot
 GAP = 6  # px between the plots
@@ -34,8 +36,11 @@ def draw_curves(
     in the demonstrator's posture, px², which it does not know; joints: numbers of the moving ones, from 1; width: of
     the drawing in its own px; errors_deg: largest joint error of each snapshot up to the cursor.
     """
-    box = plot_box(width)
-    first, second = _draw_both(history, cursor, E_true, joints, box)
+    box, step = plot_box(width), axis_end(len(history) - 1) // 4
+    kept = svg.thinned(len(history), MAX_VERTICES, cursor)
+    snapshots, motions = [history[k] for k in kept], np.array(kept, float)
+    first = _draw_E(box, step, snapshots, motions, cursor, E_true)
+    second = _draw_angles(box, step, snapshots, motions, cursor, joints)
     second += svg.text(box[2] + RIGHT, 12, describe_errors(errors_deg), "vi-end")
     return f'<div class="vi-panel">{arrange_plots(width, first, second)}</div>'
 
@@ -63,16 +68,6 @@ def arrange_plots(width: int, first: str, second: str) -> str:
     )
 
 
-def _draw_both(
-    history: Sequence[Snapshot], cursor: int, E_true: float | None, joints: Sequence[int], box: Box
-) -> tuple[str, str]:
-    kept = svg.thinned(len(history), MAX_VERTICES, cursor)
-    snapshots, motions = [history[k] for k in kept], np.array(kept, float)
-    step = axis_end(len(history) - 1) // 4
-    first = _draw_E(box, step, snapshots, motions, cursor, E_true)
-    return first, _draw_angles(box, step, snapshots, motions, cursor, joints)
-
-
 def _frame(axes: Axes, step: int, cursor: int, title: str, note: str, ticks: Sequence[Tick]) -> str:
     """Draw title, rules, numbers and the cursor. step: motions, a quarter of the axis."""
     x = axes.x_px(cursor)
@@ -86,13 +81,11 @@ def _frame(axes: Axes, step: int, cursor: int, title: str, note: str, ticks: Seq
     return "".join(parts)
 
 
-def _draw_E(
-    box: Box, step: int, snapshots: list[Snapshot], motions: NDArray[np.float64], cursor: int, E_true: float | None
-) -> str:
+def _draw_E(box: Box, step: int, snapshots: list[Snapshot], motions: Floats, cursor: int, E_true: float | None) -> str:
     E = np.maximum([snapshot.E for snapshot in snapshots], MIN_E)
     E_true = max(E_true, MIN_E) if E_true is not None and np.isfinite(E_true) else None
     y = decades(E if E_true is None else np.append(E, E_true))
-    axes = Axes(box, (0.0, 4.0 * step), y, up=log10)
+    axes = Axes(*box, (0.0, 4.0 * step), y, up=log10)
     parts = [_frame(axes, step, cursor, "Conflict E", "px², log; hollow = test move", decade_ticks(*y))]
     labels = []
     if E_true is not None:
@@ -108,14 +101,14 @@ def _draw_E(
 
 
 def _draw_angles(
-    box: Box, step: int, snapshots: list[Snapshot], motions: NDArray[np.float64], cursor: int, joints: Sequence[int]
+    box: Box, step: int, snapshots: list[Snapshot], motions: Floats, cursor: int, joints: Sequence[int]
 ) -> str:
     own = np.degrees(np.array([snapshot.theta for snapshot in snapshots]))
     demo = np.degrees(np.array([snapshot.theta_demo for snapshot in snapshots]))
     low, high = min(own.min(), demo.min()), max(own.max(), demo.max())
     every = 30 if high - low <= 110 else 60
     low, high = every * np.floor((low - 4) / every), every * np.ceil((high + 4) / every)
-    axes = Axes(box, (0.0, 4.0 * step), (low, high))
+    axes = Axes(*box, (0.0, 4.0 * step), (low, high))
     ticks = [(float(angle), svg.number(angle, 0) + "°") for angle in np.arange(low, high + 1, every)]
     parts = [_frame(axes, step, cursor, "Joint angles", "dashed = demonstrator", ticks)]
     done = int(np.searchsorted(motions, cursor, side="right"))
@@ -138,7 +131,7 @@ def _draw_angles(
     return "".join(parts) + axes.labels(labels)
 
 
-def _curve(points: NDArray[np.float64], done: int, probes: NDArray[np.bool_], role: str) -> str:
+def _curve(points: Floats, done: int, probes: NDArray[np.bool_], role: str) -> str:
     """Draw a line with a dot per motion, hollow for probes; the part after the cursor is faint.
 
     points: (k, 2) px; done: number of points up to the cursor; probes: (k,) bool.

@@ -16,17 +16,20 @@ from ..geometry.rectification import Rectification
 from ..loop.snapshot import Snapshot
 from ..servo import LastMotion
 
+Floats = NDArray[np.float64]
+
 
 def draw_equations(snapshot: Snapshot, chosen: int | None = None) -> str:
     """Draw `equations_of` a snapshot as HTML."""
-    return _cards(*equations_of(snapshot, chosen))
+    return f'<div class="vi-eqs">{"".join(map(_card, equations_of(snapshot, chosen)))}</div>'
 
 
 def equations_of(snapshot: Snapshot, chosen: int | None = None) -> tuple[Equation, ...]:
     """List a snapshot's equations. chosen: the point of Eqs. (1), (4); None for the one with the largest residual."""
     recovery: tuple[Equation, ...] = ()
     if snapshot.transfer is not None:
-        point = _shown_point(snapshot, chosen)
+        is_usable = chosen is not None and snapshot.usable[chosen]
+        point = chosen if is_usable else int(np.nanargmax((snapshot.e**2).sum(1)))
         demo, own, name = snapshot.views.demo[point], snapshot.views.own[point], str(point)
         method, fitted = snapshot.method, snapshot.transfer
         if isinstance(fitted, RectifiedTransfer):
@@ -34,12 +37,6 @@ def equations_of(snapshot: Snapshot, chosen: int | None = None) -> tuple[Equatio
             recovery, fitted = (_rectification(fitted.rectification),), fitted.between
         recovery = *recovery, _constraint(snapshot, demo, own, name), *method.equations(fitted, demo, own, name)
     return *recovery, _conflict(snapshot), *_law(snapshot)
-
-
-def _shown_point(snapshot: Snapshot, chosen: int | None) -> int:
-    if chosen is not None and snapshot.usable[chosen]:
-        return chosen
-    return int(np.nanargmax((snapshot.e**2).sum(1)))
 
 
 _CONFLICT = r"E=\frac{1}{2N}\sum_{i=1}^{N}\left({}^{L}𝐞_i^{\top}\,{}^{L}𝐞_i+{}^{R}𝐞_i^{\top}\,{}^{R}𝐞_i\right)"
@@ -59,9 +56,11 @@ def _conflict(snapshot: Snapshot) -> Equation:
     return Equation("(6)", "conflict, sums over L and over R", latex, (*sums, str(2 * len(e)), short(snapshot.E)))
 
 
-def _constraint(snapshot: Snapshot, demo: NDArray[np.float64], own: NDArray[np.float64], name: str) -> Equation:
+def _constraint(snapshot: Snapshot, demo: Floats, own: Floats, name: str) -> Equation:
     """Write Eq. (1) for a point's images in l and L. demo, own: (4,) px, rectified if the transfer is."""
-    f, f33 = _fundamental(snapshot)
+    pairs = snapshot.fundamental
+    assert pairs is not None  # there is a transfer, so there are enough points
+    f, f33 = pairs.f[0], float(pairs.f33[0])  # of l and L
     u = np.concatenate([demo[:2], own[:2]])
     terms = "".join(signed(factor, 3) + f"·{number(x, 0)}" for factor, x in zip(f.tolist(), u.tolist()))
     sum_of_terms = (terms + signed(f33, 0)).removeprefix(" + ")
@@ -74,20 +73,9 @@ def _rectification(by: Rectification) -> Equation:
     """Write the homographies that rectify the left and the right images."""
     latex = rf"𝐇_l={matrix(3, 3)},\;𝐇_r={matrix(3, 3)}"
     note = "The matched points rectify the pictures. Below, px are those of rectified pictures."
-    numbers = [
-        number(value, digits)
-        for H in (by.left, by.right)
-        for row in H.tolist()
-        for value, digits in zip(row, (4, 4, 1))
-    ]
+    rows = [row for H in (by.left, by.right) for row in H.tolist()]
+    numbers = [number(value, digits) for row in rows for value, digits in zip(row, (4, 4, 1))]
     return Equation("", "rectification: matched points get equal rows", latex, tuple(numbers), note, wide=True)
-
-
-def _fundamental(snapshot: Snapshot) -> tuple[NDArray[np.float64], float]:
-    """Return f, (4,), and f33, px, of the pair (l, L)."""
-    pairs = snapshot.fundamental
-    assert pairs is not None  # there is a transfer, so there are enough points
-    return pairs.f[0], float(pairs.f33[0])
 
 
 def _law(snapshot: Snapshot) -> tuple[Equation, ...]:
@@ -100,10 +88,6 @@ def _law(snapshot: Snapshot) -> tuple[Equation, ...]:
         status=snapshot.status,
     )
     return snapshot.servo.equations(snapshot.servo_state, moment)
-
-
-def _cards(*equations: Equation) -> str:
-    return f'<div class="vi-eqs">{"".join(map(_card, equations))}</div>'
 
 
 def _card(equation: Equation) -> str:

@@ -7,7 +7,6 @@ none closes when the numbers beside its "?" change. Escape closes a card; Space 
 import math
 from collections.abc import Callable
 from functools import cache, lru_cache
-from pathlib import Path
 
 import msgspec
 
@@ -48,27 +47,13 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     terms: tuple[str, ...] = ()  # other words for it, by which texts name it
 
 
-def load(path: Path = FILE) -> dict[str, Entry]:
-    """Read entries by key in the file's order. Raises ValueError that names file, entry and field."""
-    try:
-        read = msgspec.toml.decode(path.read_bytes(), type=dict[str, dict])
-    except msgspec.DecodeError as error:
-        raise ValueError(f"{path}: {error}") from None
-    entries = {}
-    for key, fields in read.items():
-        if isinstance(fields.get("show"), dict):
-            fields = {**fields, "show": {**PAPER_FIELDS, **fields["show"]}}
-        try:
-            entries[key] = msgspec.convert(fields, Entry)
-        except msgspec.ValidationError as error:
-            raise ValueError(f"{path}: entry {key!r}: {error}") from None
-    return entries
-
-
 @cache
 def glossary() -> dict[str, Entry]:
-    """Return the entries of the package's file by key."""
-    return load()
+    """Read the entries by key, in the file's order. What an example omits is the paper's."""
+    read = msgspec.toml.decode(FILE.read_bytes())
+    for fields in read.values():
+        fields["show"] = {**PAPER_FIELDS, **fields["show"]}
+    return msgspec.convert(read, dict[str, Entry])
 
 
 def key_of(symbol: str) -> str | None:
@@ -91,10 +76,9 @@ def cards(links: Callable[[str], str] = lambda key: "") -> str:
         f".vi-ask[popovertarget=vi-word-{key}]{{anchor-name:--vi-word-{key}}}#vi-word-{key}{{position-anchor:--vi-word-{key}}}"
         for key in glossary()
     )
-    close = svg.escape("Close")
     words = "".join(
         f'<div class="vi-word" id="vi-word-{key}" popover="auto"><button type="button" class="vi-close"'
-        f' aria-label="{close}" popovertarget="vi-word-{key}" popovertargetaction="hide"></button>{links(key)}'
+        f' aria-label="Close" popovertarget="vi-word-{key}" popovertargetaction="hide"></button>{links(key)}'
         f"{describe_entry(entry)}</div>"
         for key, entry in glossary().items()
     )

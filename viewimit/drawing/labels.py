@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from . import svg
 
+Floats = NDArray[np.float64]
+
 CHARACTER, LINE = 6.1, 13  # px: width of a letter of 11 px at most, height of a line
 OUT, UP = 30, 24  # px from a mark to the end of its leader
 BESIDE = (  # from a mark to the middle of a label, in units of its size; the best first
@@ -40,17 +42,16 @@ class PlacedLabel(NamedTuple):
 
 
 class Labels:
-    """Occupied rectangles within bounds, px. letter: width of a letter, px."""
+    """Occupied rectangles within bounds, px."""
 
     def __init__(self, left: float, top: float, right: float, bottom: float):
-        self.bounds, self.letter = (left, top, right, bottom), CHARACTER
+        self.bounds = left, top, right, bottom
         self._first = int(top // STRIP)
         self._strips: list[list[Rectangle]] = [[] for _ in range(self._first, int(bottom // STRIP) + 1)]
 
     def copy(self) -> "Labels":
         """Return a copy with the same occupied rectangles."""
         other = Labels(*self.bounds)
-        other.letter = self.letter
         other._strips = [there.copy() for there in self._strips]
         return other
 
@@ -60,11 +61,11 @@ class Labels:
             for there in self._met(rectangle[1], rectangle[3]):
                 there.append(rectangle)
 
-    def take_points(self, places: NDArray[np.float64], radius: float) -> None:
+    def take_points(self, places: Floats, radius: float) -> None:
         """Occupy squares around points, (2,) or (k, 2) px."""
         self.take(*_around(places.reshape(-1, 2).tolist(), radius))
 
-    def take_line(self, points: NDArray[np.float64], radius: float) -> None:
+    def take_line(self, points: Floats, radius: float) -> None:
         """Occupy a line through points, (k, 2) px."""
         self.take(*line_rectangles(points, radius))
 
@@ -102,11 +103,7 @@ class Labels:
 
     def beside(self, x: float, y: float, words: str, classes: str, distance: float) -> str:
         """Draw a label next to a mark at (x, y) px."""
-        return self.put(beside(x, y, words, classes, distance, self.letter)).drawn
-
-    def led(self, x: float, y: float, words: str, kind: str, to_left: bool) -> str:
-        """Draw a label with a leader of class `kind` from the mark at (x, y) px."""
-        return self.put(led(x, y, words, kind, to_left, self.letter)).drawn
+        return self.put(beside(x, y, words, classes, distance)).drawn
 
     def _met(self, top: float, bottom: float) -> list[list[Rectangle]]:
         """Return the strips between two heights, px; beyond the bounds the outermost one."""
@@ -115,13 +112,13 @@ class Labels:
         return self._strips[first if first > 0 else 0 : last if last > 1 else 1] or self._strips[-1:]
 
 
-def beside(x: float, y: float, words: str, classes: str, distance: float, letter: float = CHARACTER) -> Label:
-    """Make a label with places around a mark. letter: width of a letter, px."""
-    places = list(places_beside(x, y, letter * len(words), distance))
+def beside(x: float, y: float, words: str, classes: str, distance: float) -> Label:
+    """Make a label with places around a mark."""
+    places = list(places_beside(x, y, CHARACTER * len(words), distance))
     return Label(places, lambda place: (text_at(place, words, classes), ()))
 
 
-def led(x: float, y: float, words: str, kind: str, to_left: bool, letter: float = CHARACTER) -> Label:
+def led(x: float, y: float, words: str, kind: str, to_left: bool) -> Label:
     """Make a label with a leader of class `kind` from the mark."""
 
     def draw(place: Rectangle) -> tuple[str, Sequence[Rectangle]]:
@@ -133,10 +130,10 @@ def led(x: float, y: float, words: str, kind: str, to_left: bool, letter: float 
         taken = line_rectangles(np.array([[from_x, from_y], [end_x, end_y]]), 1)
         return leader + text_at(place, words, "vi-halo"), taken
 
-    return Label(_led_places(x, y, letter * len(words), to_left), draw)
+    return Label(_led_places(x, y, CHARACTER * len(words), to_left), draw)
 
 
-def line_rectangles(points: NDArray[np.float64], radius: float) -> list[Rectangle]:
+def line_rectangles(points: Floats, radius: float) -> list[Rectangle]:
     """Return squares of half-width `radius` along a line through points, (k, 2) px."""
     return _around(_along(points.tolist()), radius)
 

@@ -21,10 +21,12 @@ from ..servo.certificate import MAX_STD_PER_PX
 from ..simulation.scene import Scene
 from ..wording import listed
 from . import relief, svg
-from .labels import Label, led
+from .labels import CHARACTER, Label, led
 from .plots import figure
 from .posture_plane import NOW, PathLabels, PosturePlane
 from .theme import OBSERVED
+
+Floats = NDArray[np.float64]
 
 WIDTH, HEIGHT = 424, 229  # px of the drawing that replaces a landscape
 LEFT, RIGHT = 34, 60  # px beside the bars
@@ -33,7 +35,7 @@ TITLE = "Joint error per pixel of noise"
 NOTE = "in the learner's pictures, at the demonstrator's pose; from the curvature of E"
 
 
-def draw_observability(joints: Sequence[int], std_per_px: NDArray[np.float64]) -> str:
+def draw_observability(joints: Sequence[int], std_per_px: Floats) -> str:
     """Draw title, a bar per joint, and the sentence."""
     head = f'<text x="0" y="12"><tspan class="vi-b">{TITLE}</tspan></text>' + svg.text(0, 27, NOTE, "vi-2nd")
     row = min(ROW, (HEIGHT - 96) / len(joints))
@@ -46,7 +48,7 @@ def draw_observability(joints: Sequence[int], std_per_px: NDArray[np.float64]) -
     return head + bars + "".join(words)
 
 
-def draw_bars(joints: Sequence[int], std_per_px: NDArray[np.float64], width: float, row: float) -> str:
+def draw_bars(joints: Sequence[int], std_per_px: Floats, width: float, row: float) -> str:
     """Draw a row per joint: its name, a bar, its degrees. Rows are `row` px high, the drawing `width` px wide.
 
     Bars of weakly observable joints are amber with a diamond; those of unobservable ones take the whole width.
@@ -70,7 +72,7 @@ def draw_bars(joints: Sequence[int], std_per_px: NDArray[np.float64], width: flo
     return "".join(parts)
 
 
-def describe_weakness(joints: Sequence[int], std_per_px: NDArray[np.float64]) -> list[str]:
+def describe_weakness(joints: Sequence[int], std_per_px: Floats) -> list[str]:
     """Say in short lines which joints are unobservable or weakly observable."""
     degrees, unobservable = np.degrees(std_per_px), unobservable_joints(std_per_px)
     weak = [k for k in weak_joints(std_per_px) if k not in unobservable]
@@ -94,7 +96,7 @@ def describe_weakness(joints: Sequence[int], std_per_px: NDArray[np.float64]) ->
     return [found, f"1 px of noise shifts {them} by {angles}, and the others by {most} at most."]
 
 
-def describe_costs(joints: Sequence[int], std_per_px: NDArray[np.float64], are_worst: bool = False) -> str:
+def describe_costs(joints: Sequence[int], std_per_px: Floats, are_worst: bool = False) -> str:
     """Write the degrees of all joints in a few words, for a caption. are_worst: whether others have smaller ones."""
     unobservable, degrees = unobservable_joints(std_per_px), np.degrees(std_per_px)
     seen = [f"{svg.joint_symbol(joints[k])} {_cost(degrees[k])}" for k in range(len(joints)) if k not in unobservable]
@@ -137,14 +139,14 @@ class LandscapePicture:
         scene: Scene,
         snapshot: Snapshot,
         problem: str = "computing …",
-        std_per_px: NDArray[np.float64] | None = None,
+        std_per_px: Floats | None = None,
         contours: str | None = None,
     ):
         self._plane = plane = PosturePlane(scene)
         self._above = ""  # marks, over the path
         self._inset_ground = ""  # of the enlargement, over the path that would cross it
         self._labels: list[Label] = []  # of marks and contours
-        self._zoom: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None  # centre of the inset, px and degrees
+        self._zoom: tuple[Floats, Floats] | None = None  # centre of the inset, px and degrees
         joints = scene.moving_joints
         if not plane.has_plane and std_per_px is not None:
             self.html = plane.wrap(draw_observability(joints, std_per_px))
@@ -168,7 +170,7 @@ class LandscapePicture:
         inside = f'<g transform="translate(0 {CAPTION})">{self._ground}{self._inset_ground}{self._above}{labels}</g>'
         return figure(settings, inside, height=self._plane.height + CAPTION)
 
-    def draw_path(self, history: Sequence[Snapshot], cursor: int, theta: NDArray[np.float64] | None = None) -> str:
+    def draw_path(self, history: Sequence[Snapshot], cursor: int, theta: Floats | None = None) -> str:
         """Draw the motions up to the cursor, later ones faint. theta: (m,) rad, shown while the arm moves."""
         if not self._plane.has_plane:
             return self._plane.wrap("", "vi-over")
@@ -200,7 +202,7 @@ class LandscapePicture:
         start = plane.place(np.array(snapshot.settings.start_deg))
         labels.take_points(marks, 8)
         left, top, *__ = plane.box
-        hint = left, top, left + HINT_PLACE[0] + len(HINT) * labels.letter, top + HINT_PLACE[1] + 6
+        hint = left, top, left + HINT_PLACE[0] + len(HINT) * CHARACTER, top + HINT_PLACE[1] + 6
         labels.take(hint)
         fine = max(np.degrees(np.diff(axis)).max() for axis in landscape.axes) <= CLOSE_DEG / 2
         room = min(plane.box[2:]) > 2 * INSET
@@ -210,10 +212,7 @@ class LandscapePicture:
             )
         self._above = _marks(marks) + self._above
         left_first = bool(marks[0, 0] <= marks[1, 0] + 1)
-        named = (
-            ("demonstrator", demo, "vi-lead-demo"),
-            ("smallest E", lowest, "vi-lead"),
-        )
+        named = (("demonstrator", demo, "vi-lead-demo"), ("smallest E", lowest, "vi-lead"))
         for k, (text, posture, kind) in enumerate(named):
             words = f"{text} ({svg.number(posture[0], 0)}°, {svg.number(posture[1], 0)}°)"
             x, y = marks[k].tolist()
@@ -221,13 +220,7 @@ class LandscapePicture:
         self._labels += relief.level_labels(grid, landscape.E, labels.bounds, marks[1])
         return relief.shading(grid, landscape.E, plane.box) + relief.contours(grid, landscape.E)
 
-    def _inset(
-        self,
-        landscape: Landscape,
-        demo: NDArray[np.float64],
-        lowest: NDArray[np.float64],
-        busy: list[NDArray[np.float64]],
-    ) -> str:
+    def _inset(self, landscape: Landscape, demo: Floats, lowest: Floats, busy: list[Floats]) -> str:
         """Enlarge the plot around both marks in the corner of the plot farthest from `busy` places, px."""
         side, (x, y, w, h) = INSET / 2, self._plane.box
         corners = [np.array([a, b]) for a in (x + side + 4, x + w - side - 4) for b in (y + side + 4, y + h - side - 4)]
@@ -250,7 +243,7 @@ class LandscapePicture:
         note = svg.text(left + 5, top + INSET - 5, f"±{CLOSE_DEG:g}°", "vi-2nd vi-halo")
         return self._clipped(frame + contours + note)
 
-    def _in_inset(self, line: NDArray[np.float64]) -> str:
+    def _in_inset(self, line: Floats) -> str:
         """Draw the last motions in the inset. line: (k, 2) px of the plot."""
         if self._zoom is None:
             return ""
@@ -263,7 +256,7 @@ class LandscapePicture:
     def _enlargement(self) -> float:
         return INSET / (2 * CLOSE_DEG * self._plane.scale)
 
-    def _zoomed(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _zoomed(self, points: Floats) -> Floats:
         """Convert px of the plot to px of the inset."""
         assert self._zoom is not None
         middle, centre = self._zoom
@@ -276,11 +269,11 @@ class LandscapePicture:
         return f'<svg class="vi-detail" {place} viewBox="{left:.1f} {top:.1f} {INSET} {INSET}">{inside}</svg>'
 
 
-def _dot(place: NDArray[np.float64]) -> str:
+def _dot(place: Floats) -> str:
     return f'<circle class="vi-now" cx="{place[0]:.1f}" cy="{place[1]:.1f}" r="{NOW}"/>'
 
 
-def _marks(points: NDArray[np.float64]) -> str:
+def _marks(points: Floats) -> str:
     """Draw the demonstrator's diamond and the cross of the smallest E, of sizes that do not hide each other."""
     return f'<path class="vi-seen" d="{svg.diamonds(points[:1], OBSERVED + 1)}"/>' + svg.cross(points[1], 6)
 
@@ -290,9 +283,7 @@ def small_plane(scene: Scene, max_height: float) -> PosturePlane:
     return PosturePlane(scene, SMALL_WIDTH, max_height, SMALL_MARGINS)
 
 
-def draw_small(
-    plane: PosturePlane, found: Landscape, minima: NDArray[np.float64], theta_demo: NDArray[np.float64]
-) -> str:
+def draw_small(plane: PosturePlane, found: Landscape, minima: Floats, theta_demo: Floats) -> str:
     """Draw a small landscape with the demonstrator's diamond and a cross at each minimum.
 
     plane: from `small_plane`; found: E over the postures; minima: (k, 2) rad, the lowest first, whose cross is larger;

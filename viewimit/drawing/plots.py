@@ -13,6 +13,8 @@ from ..simulation.disturbances import Disturbance
 from . import svg
 from .labels import CHARACTER
 
+Floats = NDArray[np.float64]
+
 MIN_POSITIVE = 1e-30  # smaller values have no place on a logarithmic axis
 MAX_DECADES = 12
 LABEL_SPACING = 13  # px between labels
@@ -26,12 +28,12 @@ Tick = tuple[float, str]  # value, words
 CurveLabel = tuple[float, str, str]  # height in px, words, classes
 
 
-def linear(values: ArrayLike) -> NDArray[np.float64]:
+def linear(values: ArrayLike) -> Floats:
     """Return values as they are, for a linear axis."""
     return np.asarray(values, float)
 
 
-def log10(values: ArrayLike) -> NDArray[np.float64]:
+def log10(values: ArrayLike) -> Floats:
     """Return logarithms for a logarithmic axis; NaN for values below MIN_POSITIVE."""
     values = np.asarray(values, float)
     return np.log10(np.where(values > MIN_POSITIVE, values, np.nan))
@@ -41,39 +43,26 @@ def log10(values: ArrayLike) -> NDArray[np.float64]:
 class Axes:
     """Two scales over a box of px."""
 
-    box: tuple[float, float, float, float]  # left, top, right, bottom, px
+    left: float  # px, as top, right and bottom
+    top: float
+    right: float
+    bottom: float
     x: tuple[float, float]  # values at the left and at the right
     y: tuple[float, float]  # values at the bottom and at the top
-    across: Callable[[ArrayLike], NDArray[np.float64]] = linear  # scale of x: `linear` or `log10`
-    up: Callable[[ArrayLike], NDArray[np.float64]] = linear  # scale of y
+    across: Callable[[ArrayLike], Floats] = linear  # scale of x: `linear` or `log10`
+    up: Callable[[ArrayLike], Floats] = linear  # scale of y
 
-    @property
-    def left(self) -> float:
-        return self.box[0]
-
-    @property
-    def top(self) -> float:
-        return self.box[1]
-
-    @property
-    def right(self) -> float:
-        return self.box[2]
-
-    @property
-    def bottom(self) -> float:
-        return self.box[3]
-
-    def x_px(self, values: ArrayLike) -> NDArray[np.float64]:
+    def x_px(self, values: ArrayLike) -> Floats:
         """Return the px of values of x."""
         low, high = self._ends[0]
         return self.left + (self.right - self.left) * (self.across(values) - low) / (high - low)
 
-    def y_px(self, values: ArrayLike) -> NDArray[np.float64]:
+    def y_px(self, values: ArrayLike) -> Floats:
         """Return the px of values of y."""
         low, high = self._ends[1]
         return self.bottom + (self.top - self.bottom) * (self.up(values) - low) / (high - low)
 
-    def place(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    def place(self, x: ArrayLike, y: ArrayLike) -> Floats:
         """Return points as (k, 2) px; NaN for points that have no place."""
         px_x, px_y = self.x_px(x), self.y_px(y)
         px = np.empty(np.broadcast(px_x, px_y).shape + (2,))
@@ -221,7 +210,7 @@ class Style(NamedTuple):
         """Classes of the line."""
         return f"vi-x vi-x-{self.role} vi-x-{self.dash}"
 
-    def marks(self, places: NDArray[np.float64], size: float = MARK) -> str:
+    def marks(self, places: Floats, size: float = MARK) -> str:
         """Draw marks at places, (k, 2) px, without those that are NaN."""
         places = places[np.isfinite(places).all(-1)]
         if self.mark == "circle":
@@ -284,7 +273,7 @@ def sentence(words: Sequence[str], x: float, y: float) -> str:
     return f'<rect class="vi-x-blank" {box}/>{"".join(lines)}'
 
 
-def _squares(places: NDArray[np.float64], size: float) -> str:
+def _squares(places: Floats, size: float) -> str:
     d = f"{2 * size:g}"
     form = f"M%.1f %.1fm-{size:g}-{size:g}h{d}v{d}h-{d}z"
     return form * len(places) % tuple(places.ravel().tolist())

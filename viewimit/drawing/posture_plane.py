@@ -14,6 +14,8 @@ from . import svg
 from .labels import CHARACTER, Label, Labels, PlacedLabel, Rectangle, beside, places_beside, text_at
 from .plots import Axes, angle_ticks
 
+Floats = NDArray[np.float64]
+
 WIDTH = 424
 LEFT, RIGHT, TOP, BOTTOM = MARGINS = 36, 8, 7, 34  # px around the plot
 MAX_HEIGHT = 190  # px of the plot: that of 180° by 90° in this width
@@ -55,7 +57,7 @@ class PosturePlane:
         self.box = float(left + (width - left - right - w) / 2), self._top, float(w), float(h)
         edges = self.box[0], self._top, self.box[0] + self.box[2], self._top + self.box[3]
         up, across = zip(self._low.tolist(), self._high.tolist())
-        self._axes = Axes(edges, across, up)
+        self._axes = Axes(*edges, across, up)
         self._slope = np.array([edges[2] - edges[0], edges[1] - edges[3]]) / span[::-1]  # px per degree
         self._origin = np.array([edges[0], edges[3]]) - self._slope * self._low[::-1]
         self.labels = Labels(*edges)
@@ -65,13 +67,11 @@ class PosturePlane:
         """Height with the axes, px."""
         return self._top + self.box[3] + self._bottom
 
-    def place(self, degrees: NDArray[np.float64]) -> NDArray[np.float64]:
+    def place(self, degrees: Floats) -> Floats:
         """Convert postures, (..., 2) degrees, to px. Called several times per motion, hence in one step."""
         return degrees[..., ::-1] * self._slope + self._origin
 
-    def grid(
-        self, axes: tuple[NDArray[np.float64], NDArray[np.float64]]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def grid(self, axes: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
         """Return the px of a grid's columns and rows. axes: of both joints, rad."""
         first, second = (np.degrees(axis) for axis in axes)
         return self._axes.x_px(second), self._axes.y_px(first)
@@ -184,9 +184,7 @@ class PathLabels:
         self._line: Labels | None = None  # occupied by the path
         self._path: tuple = ()  # for which they were placed: its length, cursor, and both ends
 
-    def draw(
-        self, history: Sequence[Snapshot], cursor: int, theta: NDArray[np.float64] | None, points: NDArray[np.float64]
-    ) -> str:
+    def draw(self, history: Sequence[Snapshot], cursor: int, theta: Floats | None, points: Floats) -> str:
         """Draw all labels.
 
         history, cursor: snapshots, and the index of the shown one; theta: where the arm is shown while it moves, (m,)
@@ -207,7 +205,7 @@ class PathLabels:
         own, _ = self._own(self._free, here if theta is None else theta, cursor)
         return "".join([label.drawn for label in self._placed.values()]) + own
 
-    def _place(self, line: Labels, start: NDArray[np.float64], here: NDArray[np.float64], cursor: int) -> Labels:
+    def _place(self, line: Labels, start: Floats, here: Floats, cursor: int) -> Labels:
         """Place the learner's label and those that are covered; all of them if it has no room beside the others.
 
         line: occupied by the path. Returns what is occupied without the learner's label, which follows the arm.
@@ -238,10 +236,10 @@ class PathLabels:
             free.take(*one.occupies)
         return free
 
-    def _own(self, labels: Labels, theta: NDArray[np.float64], cursor: int) -> tuple[str, Rectangle | None]:
+    def _own(self, labels: Labels, theta: Floats, cursor: int) -> tuple[str, Rectangle | None]:
         """Draw the learner's label at theta, (m,) rad, and return its place, which it does not occupy."""
         x, y = self._plane.place(np.degrees(theta)).tolist()
         where = f"({svg.degrees(theta[0])}, {svg.degrees(theta[1])})"
         words = ("now {pose}" if cursor else "start {pose}").format(pose=where)
-        place = labels.first_free(places_beside(x, y, labels.letter * len(words), 11))
+        place = labels.first_free(places_beside(x, y, _length(words), 11))
         return ("" if place is None else text_at(place, words, "vi-of-own vi-halo")), place

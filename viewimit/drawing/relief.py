@@ -18,6 +18,8 @@ from PIL import Image
 from . import svg
 from .labels import CHARACTER, LINE, Label, Rectangle
 
+Floats = NDArray[np.float64]
+
 LEVELS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000)
 MAX_LEVELS = 9
 FINE = np.array([1, 1.5, 2, 3, 5, 7])  # levels of fine contours, times powers of ten
@@ -28,10 +30,10 @@ SPACING = 2.6  # px between vertices of a contour
 MAX_DEVIATION = np.radians(40)  # between a label and its ray
 _PROCESS, _ids = secrets.token_hex(3), itertools.count()  # drawings of several processes are shown on one page
 
-Grid = tuple[NDArray[np.float64], NDArray[np.float64]]
+Grid = tuple[Floats, Floats]
 
 
-def shading(grid: Grid, E: NDArray[np.float64], box: tuple[float, float, float, float]) -> str:
+def shading(grid: Grid, E: Floats, box: tuple[float, float, float, float]) -> str:
     """Draw the shading of E, (rows, columns). grid: px of its columns and rows; box: x, y, w, h of the plot, px."""
     every = 2 if min(E.shape) >= FINE_GRID else 1  # browsers interpolate
     alpha, blind = _alpha(E[::every, ::every])
@@ -46,7 +48,7 @@ def shading(grid: Grid, E: NDArray[np.float64], box: tuple[float, float, float, 
     return "".join(parts)
 
 
-def _alpha(E: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _alpha(E: Floats) -> tuple[Floats, Floats]:
     """Return the opacity, 0 … 255, and where E is unknown."""
     top = np.nanmax(E)
     bottom = max(np.nanmin(E), top / MAX_RATIO, 1e-12)
@@ -56,9 +58,7 @@ def _alpha(E: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.floa
     return np.where(blind, 0, 255 * MAX_OPACITY * np.clip(height, 0, 1) ** 0.85), blind
 
 
-def _masked(
-    grid: Grid, every: int, alpha: NDArray[np.float64], box: tuple[float, float, float, float], fill: str
-) -> str:
+def _masked(grid: Grid, every: int, alpha: Floats, box: tuple[float, float, float, float], fill: str) -> str:
     """Draw a rectangle of one colour, masked by a picture with a pixel at every `every`-th grid point."""
     x, y = grid
     buffer = io.BytesIO()
@@ -76,16 +76,14 @@ def _masked(
     )
 
 
-def contours(grid: Grid, E: NDArray[np.float64]) -> str:
+def contours(grid: Grid, E: Floats) -> str:
     """Draw contours at levels 1, 2, 5 …"""
     generator = _generator(grid, E)
     lines = [_thin(line) for level in _levels(E) for line in _lines(generator, level)]
     return f'<path class="vi-contour" d="{"".join(map(svg.path, lines))}"/>'
 
 
-def level_labels(
-    grid: Grid, E: NDArray[np.float64], bounds: Sequence[float], lowest: NDArray[np.float64]
-) -> list[Label]:
+def level_labels(grid: Grid, E: Floats, bounds: Sequence[float], lowest: Floats) -> list[Label]:
     """Make labels of the contours near two opposite rays from `lowest`, (2,) px, to the plot's far corner.
 
     bounds: left, top, right and bottom of the plot, px.
@@ -99,7 +97,7 @@ def level_labels(
     return found
 
 
-def _level_label(line: NDArray[np.float64], words: str, lowest: NDArray[np.float64], ray: float) -> Label:
+def _level_label(line: Floats, words: str, lowest: Floats, ray: float) -> Label:
     def draw(place: Rectangle) -> tuple[str, Sequence[Rectangle]]:
         left, top, right, bottom = place
         return svg.text((left + right) / 2, (top + bottom) / 2 + 4, words, "vi-2nd vi-halo vi-mid"), ()
@@ -107,7 +105,7 @@ def _level_label(line: NDArray[np.float64], words: str, lowest: NDArray[np.float
     return Label(_places(line, words, lowest, ray), draw)
 
 
-def fine_contours(grid: Grid, E: NDArray[np.float64]) -> str:
+def fine_contours(grid: Grid, E: Floats) -> str:
     """Draw narrowly spaced contours without labels."""
     if np.isnan(E).all():
         return ""
@@ -119,32 +117,32 @@ def fine_contours(grid: Grid, E: NDArray[np.float64]) -> str:
     return f'<path class="vi-contour" d="{"".join(svg.path(line) for line in lines)}"/>'
 
 
-def _levels(E: NDArray[np.float64]) -> list[float]:
+def _levels(E: Floats) -> list[float]:
     """Return the highest levels, at most MAX_LEVELS."""
     top = np.nanmax(E)
     return [level for level in LEVELS if max(np.nanmin(E), top / MAX_RATIO) < level < top][-MAX_LEVELS:]
 
 
-def _generator(grid: Grid, E: NDArray[np.float64]) -> ContourGenerator:
+def _generator(grid: Grid, E: Floats) -> ContourGenerator:
     """Contour log E, which is nearly linear between grid points."""
     with np.errstate(invalid="ignore"):
         z = np.log(np.maximum(E, 1e-12))
     return contour_generator(*grid, np.ma.masked_invalid(z))
 
 
-def _lines(generator: ContourGenerator, level: float) -> list[NDArray[np.float64]]:
+def _lines(generator: ContourGenerator, level: float) -> list[Floats]:
     """Return the lines on which E has this value, px."""
-    return cast(list[NDArray[np.float64]], generator.lines(np.log(level)))  # of the default type
+    return cast(list[Floats], generator.lines(np.log(level)))  # of the default type
 
 
-def _thin(line: NDArray[np.float64]) -> NDArray[np.float64]:
+def _thin(line: Floats) -> Floats:
     """Keep vertices about SPACING px from each other, with the first and the last."""
     steps = np.diff(line, axis=0)
     length = np.sqrt((steps * steps).sum(1)).sum()
     return line[svg.thinned(len(line), max(int(length / SPACING) + 1, 8))]
 
 
-def _rays(bounds: Sequence[float], lowest: NDArray[np.float64]) -> list[float]:
+def _rays(bounds: Sequence[float], lowest: Floats) -> list[float]:
     """Return the directions towards the corner farthest from `lowest` and away from it, rad."""
     left, top, right, bottom = bounds
     corners = np.array([[x, y] for x in (left, right) for y in (top, bottom)]) - lowest
@@ -153,7 +151,7 @@ def _rays(bounds: Sequence[float], lowest: NDArray[np.float64]) -> list[float]:
     return [angle, angle + np.pi]
 
 
-def _places(points: NDArray[np.float64], words: str, lowest: NDArray[np.float64], ray: float) -> list[Rectangle]:
+def _places(points: Floats, words: str, lowest: Floats, ray: float) -> list[Rectangle]:
     """List places on a contour, (n, 2) px, the nearest to the ray first."""
     x, y = (points - lowest).T
     off = np.abs((np.arctan2(y, x) - ray + np.pi) % (2 * np.pi) - np.pi)

@@ -18,6 +18,8 @@ from ..wording import listed, plural, sentences
 from . import svg
 from .glossary import ask, glossary
 
+Floats = NDArray[np.float64]
+
 TREND = 4  # motions over which the change of E is averaged
 EXACT = np.radians(0.05)  # smaller errors are written as 0.0°
 WHOLE = np.radians(1.0)  # larger angles are written in whole degrees
@@ -56,12 +58,7 @@ AIM = (
 IDLE = RING.format("secondary")
 DOTS = {"blue": DOT.format("learner"), "green": DOT.format("recovered"), "amber": DIAMOND, "red": SQUARE}
 DOTS |= {"grey": DOT.format("secondary"), "none": IDLE}
-SHAPES = {
-    "recording": DOT.format("stopped"),
-    "replaying": PLAY,
-    "see-through": AIM,
-    "editing": RING.format("chosen"),
-}
+SHAPES = {"recording": DOT.format("stopped"), "replaying": PLAY, "see-through": AIM, "editing": RING.format("chosen")}
 SHAPES |= {str(status): DOTS[told.dot] for status, told in verdicts().items()}
 BETWEEN = (
     '<path d="M6 11h10" stroke="var(--residual)" stroke-width="2.4"/>'
@@ -222,7 +219,7 @@ def _ill_conditioned(snapshot: Snapshot) -> str:
     return sentences(f"{method.condition_name} is {svg.number(condition, 0)}, {words}.", method.degenerate_message)
 
 
-def describe_truth(joints: Sequence[int], theta: NDArray[np.float64], theta_demo: NDArray[np.float64]) -> str:
+def describe_truth(joints: Sequence[int], theta: Floats, theta_demo: Floats) -> str:
     """Say how far off the learner is, which it cannot know. joints: numbers from 1; theta, theta_demo: (m,) rad."""
     is_at, should_be = theta.tolist(), theta_demo.tolist()
     off = [abs(own - demo) for own, demo in zip(is_at, should_be)]
@@ -233,9 +230,7 @@ def describe_truth(joints: Sequence[int], theta: NDArray[np.float64], theta_demo
     return f"{svg.degrees(off[k])} off: {svg.joint_symbol(joints[k])} {where}."
 
 
-def describe_outcome(
-    status: ServoStatus, motions: int, theta: NDArray[np.float64], theta_demo: NDArray[np.float64], playing: bool
-) -> str:
+def describe_outcome(status: ServoStatus, motions: int, theta: Floats, theta_demo: Floats, playing: bool) -> str:
     """Say first, in plain words, what has come of it, as HTML; this uses the truth. theta, theta_demo: (m,) rad."""
     off = float(np.abs(theta - theta_demo).max())
     if status == ServoStatus.READY:

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from ..estimation.equations import number
 from ..wording import plural
 
+Floats = NDArray[np.float64]
+
 UNSEEN_E = 0.01  # px²: nobody could see a smaller conflict
 SEGMENT, DOT, TIP = "M%s %sL%s %s", "M%s %sh0", "M%s %sL%s %s %s %sz"  # templates of lines, dots and arrow heads
 MAX_TENTHS = 9_999  # a table holds the texts of numbers up to this many tenths
@@ -52,7 +54,7 @@ def joint_symbol(joint: int) -> str:
     return "θ" + "".join("₀₁₂₃₄₅₆₇₈₉"[int(digit)] for digit in str(joint))
 
 
-def path(points: NDArray[np.float64]) -> str:
+def path(points: Floats) -> str:
     """Write an open line through points; NaN interrupts it."""
     broken = np.isnan(points[:, 1])
     if not broken.any():
@@ -61,14 +63,14 @@ def path(points: NDArray[np.float64]) -> str:
     return "".join(_line(run) for run in (run[~np.isnan(run[:, 1])] for run in runs) if len(run))
 
 
-def paths(points: NDArray[np.float64]) -> list[str]:
+def paths(points: Floats) -> list[str]:
     """Write an open line per view through (views, k, 2) px; NaN interrupts it."""
     if np.isnan(points).any():
         return [path(view) for view in points]
     return [_written(view) for view in points.reshape(len(points), -1).round(1).tolist()]
 
 
-def _line(points: NDArray[np.float64]) -> str:
+def _line(points: Floats) -> str:
     return _written(points.round(1).ravel().tolist())
 
 
@@ -80,17 +82,17 @@ def _written(numbers: list[float]) -> str:
 _as_json = msgspec.json.Encoder().encode
 
 
-def segments(start: NDArray[np.float64], end: NDArray[np.float64]) -> str:
+def segments(start: Floats, end: Floats) -> str:
     """Write k separate lines from start to end."""
     return filled(SEGMENT * len(start), np.concatenate([start, end], 1))
 
 
-def dots(points: NDArray[np.float64]) -> str:
+def dots(points: Floats) -> str:
     """Write dots as wide as the stroke."""
     return filled(DOT * len(points), points)
 
 
-def circles(points: NDArray[np.float64], radius: float) -> str:
+def circles(points: Floats, radius: float) -> str:
     """Write circles of a radius in px."""
     r, d = f"{radius:g}", f"{2 * radius:g}"
     return filled(f"M%s %sm-{r} 0a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0-{d} 0" * len(points), points)
@@ -102,17 +104,17 @@ def diamond(radius: float) -> str:
     return f"M%s %sm0-{r}l{r} {r}-{r} {r}-{r}-{r}z"
 
 
-def diamonds(points: NDArray[np.float64], radius: float) -> str:
+def diamonds(points: Floats, radius: float) -> str:
     """Write diamonds centred on points. radius: half the diagonal, px."""
     return filled(diamond(radius) * len(points), points)
 
 
-def arrow_tips(start: NDArray[np.float64], end: NDArray[np.float64], size: float) -> list[str]:
+def arrow_tips(start: Floats, end: Floats, size: float) -> list[str]:
     """Write per view the heads of k arrows from start to end, (views, k, 2) px; short arrows have shorter heads."""
     return [filled(TIP * end.shape[1], view) for view in arrow_corners(start, end, size)]
 
 
-def arrow_corners(start: NDArray[np.float64], end: NDArray[np.float64], size: float) -> NDArray[np.float64]:
+def arrow_corners(start: Floats, end: Floats, size: float) -> Floats:
     """Return the corners of the heads of `arrow_tips`, tip first: (views, k, 6) px."""
     tips = end.view(complex)  # x + iy: a quarter turn is a product
     along = tips - start.view(complex)
@@ -122,7 +124,7 @@ def arrow_corners(start: NDArray[np.float64], end: NDArray[np.float64], size: fl
     return np.concatenate([tips, back + across, back - across], 2).view(float)
 
 
-def polygons(corners: NDArray[np.float64]) -> list[str]:
+def polygons(corners: Floats) -> list[str]:
     """Write per view k polygons of c corners, (views, k, c, 2) px, without corners that repeat their predecessor."""
     views, k, c, __ = corners.shape
     if k == 0:
@@ -147,13 +149,13 @@ def _polygon_template(views: int, k: int, c: int) -> str:
     return "|".join([("M%s %s" + "l%s %s" * (c - 1) + "z") * k] * views)
 
 
-def cross(place: NDArray[np.float64], size: float) -> str:
+def cross(place: Floats, size: float) -> str:
     """Draw an upright cross at a point, (2,) px. size: from its middle to its ends, px."""
     x, y = place
     return f'<path class="vi-cross" d="M{x - size:.1f} {y:.1f}h{2 * size:g}M{x:.1f} {y - size:.1f}v{2 * size:g}"/>'
 
 
-def saltire(place: NDArray[np.float64]) -> str:
+def saltire(place: Floats) -> str:
     """Draw the mark of the paper's own result at a point, (2,) px."""
     x, y = place
     return f'<path class="vi-x-paper" d="M{x - 4:.1f} {y - 4:.1f}l8 8m0-8l-8 8"/>'
@@ -199,7 +201,7 @@ def _geometric_steps(most: int, count: int) -> NDArray[np.intp]:
 # Templates with many numbers
 
 
-def filled(template: str, values: NDArray[np.float64]) -> str:
+def filled(template: str, values: Floats) -> str:
     """Fill a number with one decimal into each %s of a template.
 
     A table gives the texts of all numbers at once, in a quarter of the time that formatting hundreds of them takes.
@@ -223,7 +225,7 @@ class _Template(NamedTuple):
         words[self.places] = texts
         return words.tobytes().translate(None, b"\0").decode()
 
-    def texts(self, tenths: NDArray[np.float64]) -> NDArray[np.uint64]:
+    def texts(self, tenths: Floats) -> NDArray[np.uint64]:
         """Look up the words of n numbers, given in tenths, with their leads."""
         return _number_words()[tenths.astype(np.intp)] | self.leads
 

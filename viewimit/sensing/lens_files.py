@@ -5,6 +5,7 @@ in one mapping, as K1 and K2, are two cameras. Of YAML the part that these tools
 and lists and mappings in brackets.
 """
 
+import json
 import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator, Mapping
@@ -26,17 +27,9 @@ KEY = re.compile(rf"(?:cam|camera)?({SIDES})?(?:({MATRICES})|({DISTORTIONS}))({S
 NAMES = "name", "camera_name", "cam_name"
 SIZES = "resolution", "size", "imagesize", "imgsize"
 MODELS = (
-    "plumbbob",
-    "radtan",
-    "pinhole",
-    "pinholeradtan",
-    "none",
-    "brown",
-    "brownconrady",
-    "opencv",
-    "rationalpolynomial",
+    "plumbbob", "radtan", "pinhole", "pinholeradtan", "none", "brown", "brownconrady", "opencv", "rationalpolynomial",
     "",
-)
+)  # fmt: skip
 MODEL_KEYS = "distortionmodel", "cameramodel", "model"
 FISHEYE = re.compile("fisheye|equidist|kannala|^kb")
 OTHER_MODEL = re.compile(f"{FISHEYE.pattern}|equisolid|stereographic|omni|^mei$|ucm|unified|doublesphere|^ds$|fov|ocam")
@@ -48,7 +41,7 @@ N_COEFFICIENTS = 5  # k1, k2, p1, p2, k3
 MAX_SKEW = 1e-3  # of the focal length
 UNDISTORT = "remove the distortion from the table: points = cv2{}.undistortPoints(points, K, D, P=K)"
 BY_TOOL = "remove the distortion from the table with the tool that has calibrated it"
-TOKEN = re.compile(r"\s*([\[\]{},]|\"[^\"]*\"|'[^']*'|[^\[\]{},]+)")
+WORD = re.compile(r"(\"[^\"]*\"|'[^']*'|[^\[\]{},:\s][^\[\]{},:]*)(:?)")  # in brackets, and whether it is a key
 
 
 @dataclass(frozen=True)
@@ -106,7 +99,7 @@ def read_lenses(path: Path) -> dict[str, CalibratedLens]:
     content = read_bytes(path, MEGABYTE)
     try:
         fields = _parsed(path, content)
-    except (msgspec.DecodeError, ElementTree.ParseError, ValueError, RecursionError) as error:
+    except (ElementTree.ParseError, ValueError, RecursionError) as error:
         raise ValueError(f"{path}: not a calibration that is read: {error}") from None
     found: dict[str, CalibratedLens] = {}
     try:
@@ -250,12 +243,15 @@ def _block(lines: list[tuple[int, str, int]], at: int) -> tuple[Any, int]:
     if lines[at][1][0] in "[{":
         return _flow(lines[at][1]), at + 1
     indent, found = lines[at][0], []
-    in_list = lines[at][1].startswith("-") and not _is_number(lines[at][1])
+    in_list = lines[at][1].startswith("-") and not isinstance(_scalar(lines[at][1]), float)
     while at < len(lines) and lines[at][0] == indent:
         _, text, number = lines[at]
         if in_list != bool(re.match(r"-(\s|$)", text)):
             break
-        key, rest = ("", text[1:].strip()) if in_list else _key_and_rest(text, number)
+        found_line = re.fullmatch(r"()-\s*(.*)" if in_list else r"(.*?):(?:\s+(.*))?", text)
+        if found_line is None:
+            raise ValueError(f"line {number} is not understood: {text[:40]!r}")
+        key, rest = found_line[1].strip(), (found_line[2] or "").strip()
         nests = in_list and re.match(r"-\s|[^\[\]{}\"']*:(\s|$)", rest)
         after, next_text, _ = lines[at + 1] if at + 1 < len(lines) else (-1, "", 0)
         deeper = after > indent or (not in_list and after == indent and re.match(r"-(\s|$)", next_text))
@@ -270,40 +266,15 @@ def _block(lines: list[tuple[int, str, int]], at: int) -> tuple[Any, int]:
     return ([value for _, value in found] if in_list else dict(found)), at
 
 
-def _key_and_rest(text: str, number: int) -> tuple[str, str]:
-    """Split `key: value`."""
-    found = re.fullmatch(r"(.*?):(?:\s+(.*))?", text)
-    if found is None:
-        raise ValueError(f"line {number} is not understood: {text[:40]!r}")
-    return found[1].strip(), (found[2] or "").strip()
-
-
 def _flow(text: str) -> Any:
     """A value in a line."""
-    tokens = [token.strip() for token in TOKEN.findall(text)]
-    if not tokens or tokens[0] not in "[{":
-        return _scalar(text.strip())
-    value, end = _bracket(tokens, 0)
-    if end != len(tokens):
-        raise ValueError(f"{text[:40]!r} is not understood")
-    return value
-
-
-def _bracket(tokens: list[str], at: int) -> tuple[Any, int]:
-    """The list or mapping in brackets that begins at a token, and the first token after it."""
-    items: list[Any] = []
-    is_list, at = tokens[at] == "[", at + 1
-    while at < len(tokens) and tokens[at] not in "]}":
-        key, _, rest = ("", "", tokens[at]) if is_list else map(str.strip, tokens[at].partition(":"))
-        nested = at if rest in ("[", "{") else at + 1 if not rest else None
-        value, at = (_scalar(rest), at + 1) if nested is None else _bracket(tokens, nested)
-        items.append(value if is_list else (key.strip("\"'"), value))
-        at += tokens[at : at + 1] == [","]
-    return (items if is_list else dict(items)), at + 1
-
-
-def _is_number(text: str) -> bool:
-    return isinstance(_scalar(text), float)
+    if text[:1] not in ("[", "{"):
+        return _scalar(text)
+    quoted = lambda word: json.dumps(word[1].strip().strip("\"'") if word[2] else _scalar(word[1].strip())) + word[2]
+    try:
+        return json.loads(re.sub(r",\s*(?=[\]}])", "", WORD.sub(quoted, text)))
+    except ValueError:
+        raise ValueError(f"{text[:40]!r} is not understood") from None
 
 
 def _scalar(text: str) -> Any:

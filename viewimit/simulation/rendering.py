@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..estimation.views import VIEWS
 from ..sensing.detection import Detections, detect, reject_partly_hidden
 from .camera import Camera
-from .depth_buffer import Balls, DepthBuffer, Triangles, illumination
+from .depth_buffer import DepthBuffer, Triangles, illumination
 from .meshes import Mesh
 from .robot import Angles, Markers, colours, link_meshes, load_markers
 from .scene import Scene
@@ -70,7 +70,7 @@ class Studio:
         for theta, T_world_base in ((theta_demo, world.T_world_demo), (theta_own, world.T_world_own)):
             frames = world.link_frames(theta, T_world_base)
             buffer.add_triangles(self._skin.at(frames))
-            buffer.add_balls(Balls(self._markers.body.at(frames), self._colours, self._markers.radius))
+            buffer.add_balls(self._markers.body.at(frames), self._colours, self._markers.radius)
         return buffer
 
 

@@ -21,10 +21,10 @@ from .urdf.chain import find_arm, turning_joints
 from .urdf.reference import is_reference, parse_reference, require_urdf
 from .urdf.tree import REST_MARGIN, Tree, read_tree
 
+Floats = NDArray[np.float64]
 IDENTITY = np.eye(4)
 BodyPoint = tuple[int, float, float, float]  # link (0 = base), and x, y, z in its frame [m]
-Angles = Sequence[ArrayLike] | NDArray[np.float64]  # one array for each joint [rad], broadcast against each other
-Floats = NDArray[np.float64]
+Angles = Sequence[ArrayLike] | Floats  # one array for each joint [rad], broadcast against each other
 Ints = NDArray[np.int_]
 
 
@@ -288,7 +288,7 @@ def link_meshes(robot: str, held_only: bool = False) -> dict[int, Mesh]:
         from .urdf.shapes import shapes_of  # loads trimesh
 
         shapes = shapes_of(parse_reference(robot))
-        return shapes.held if held_only else shapes.meshes
+        return shapes.split()[0] if held_only else shapes.meshes
     return _shipped_meshes(robot)
 
 
@@ -315,12 +315,12 @@ class Markers(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return BodyPoints(rows[:, 0].astype(int), rows[:, 1:4])
 
     @property
-    def hue_deg(self) -> NDArray[np.float64]:
+    def hue_deg(self) -> Floats:
         """(N,) hues [deg]."""
         return np.array(self.balls, float).reshape(-1, 5)[:, 4]
 
 
-def colours(hue_deg: ArrayLike) -> NDArray[np.float64]:
+def colours(hue_deg: ArrayLike) -> Floats:
     """Return colours of equal chroma, towards cos(hue - (0°, 120°, 240°)): (N,) deg -> (N, 3) RGB in 0 … 1."""
     return GREY + CHROMA * np.cos(np.radians(np.asarray(hue_deg))[..., None] - THIRDS)
 

@@ -21,6 +21,8 @@ from .urdf.reference import is_reference, parse_reference, require_urdf
 if TYPE_CHECKING:
     from .autoscene.scene import AutoScene
 
+Floats = NDArray[np.float64]
+
 Vector = tuple[float, float, float]
 Limits = tuple[tuple[float, float], ...]
 ROUNDING_DEG = 0.01  # URDFs round π
@@ -95,12 +97,12 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return np.array(self.moving_joints) - 1
 
     @property
-    def lower(self) -> NDArray[np.float64]:
+    def lower(self) -> Floats:
         """(m,) lower limits of the moving joints [rad]."""
         return np.radians([low for low, _ in self.range_deg])
 
     @property
-    def upper(self) -> NDArray[np.float64]:
+    def upper(self) -> Floats:
         """(m,) upper limits of the moving joints [rad]."""
         return np.radians([high for _, high in self.range_deg])
 
@@ -124,7 +126,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         """Return the number of points of the layout nearest to `count`; `count` itself if there is no layout."""
         return min(map(int, self.points), key=lambda points: abs(points - count), default=count)
 
-    def require_posture(self, theta: ArrayLike, whose: str) -> NDArray[np.float64]:
+    def require_posture(self, theta: ArrayLike, whose: str) -> Floats:
         """Return a copy of a posture, (m,) rad. Raises ValueError for a wrong count, NaN or limits exceeded."""
         theta = np.array(theta, float)
         if theta.shape != (len(self.moving_joints),):

@@ -17,6 +17,8 @@ from .camera import Camera
 from .robot import link_meshes
 from .world import World
 
+Floats = NDArray[np.float64]
+
 PLATE = 0.17  # m from the camera to its image plate
 LABEL_OFFSET = np.array([-0.16, -0.31, 0.05])  # m from a base's foot to its name
 LINE, HALF_NAME = 0.1, 0.25  # m: height of a line of text, half the length of a base's name
@@ -49,8 +51,8 @@ class Solid(NamedTuple):
     colour: str  # a field of `Look`
     vertices: NDArray[np.floating]  # (V, 3) m
     faces: NDArray[np.integer]  # (F, 3)
-    position: NDArray[np.float64]  # (3,) m, of the frame in the world
-    turn: NDArray[np.float64]  # (3, 3), of the frame in the world
+    position: Floats  # (3,) m, of the frame in the world
+    turn: Floats  # (3, 3), of the frame in the world
 
 
 class Label(NamedTuple):
@@ -59,7 +61,7 @@ class Label(NamedTuple):
     name: str
     text: str
     role: str  # of the arm whose colour it has
-    position: NDArray[np.float64]  # (3,) m, of its middle
+    position: Floats  # (3,) m, of its middle
 
 
 class Look(NamedTuple):
@@ -88,7 +90,7 @@ def cameras_of(world: World) -> tuple[Camera, ...]:
     return (*world.demo_cameras, *world.own_cameras)
 
 
-def bases_of(world: World) -> dict[str, NDArray[np.float64]]:
+def bases_of(world: World) -> dict[str, Floats]:
     """Return T_world_base, (4, 4), by arm."""
     return {"learner": world.T_world_own, "demonstrator": world.T_world_demo}
 
@@ -110,7 +112,7 @@ def labels(world: World) -> Iterator[Label]:
         yield Label(f"name_{view}", view, role, corner + 0.25 * (corner - eye))
 
 
-def floor_lines(world: World, cells: int) -> NDArray[np.float64]:
+def floor_lines(world: World, cells: int) -> Floats:
     """Return points along each line of the floor, (n, 2 cells + 1, 3) m, up to `cells` cells from the middle."""
     cell = CELL * world.scene.size
     middle = np.round(landmarks(world)[:, :2].mean(0) / cell) * cell
@@ -121,13 +123,13 @@ def floor_lines(world: World, cells: int) -> NDArray[np.float64]:
     return np.concatenate([plane, np.zeros((*plane.shape[:2], 1))], -1)
 
 
-def frustum(camera: Camera, size: float) -> NDArray[np.float64]:
+def frustum(camera: Camera, size: float) -> Floats:
     """Return the edges of a camera's image plate and of its frustum, (8, 2, 3) m. size: the scene's."""
     plate, eye = on_plate(camera, corners(camera), size), camera.T_world_camera[:3, 3]
     return np.array([(plate[i], plate[(i + 1) % 4]) for i in range(4)] + [(eye, corner) for corner in plate])
 
 
-def landmarks(world: World) -> NDArray[np.float64]:
+def landmarks(world: World) -> Floats:
     """Return points that the default view must show, (k, 3) m, without those of the arms."""
     bases = bases_of(world).values()
     feet = [T[:3, 3] * [1, 1, 0] for T in bases]
@@ -138,14 +140,14 @@ def landmarks(world: World) -> NDArray[np.float64]:
     return np.concatenate([*plates, [head], feet, names])
 
 
-def arm_landmarks(world: World, theta: NDArray[np.float64], theta_demo: NDArray[np.float64]) -> NDArray[np.float64]:
+def arm_landmarks(world: World, theta: Floats, theta_demo: Floats) -> Floats:
     """Return points of the arms that the default view must show, (k, 3) m, also at the ends of their ranges.
 
     theta, theta_demo: postures, (m,) rad.
     """
     postures = theta, theta_demo, world.scene.lower, world.scene.upper
     outline = {link: extreme_vertices(mesh.vertices) for link, mesh in link_meshes(world.scene.robot).items()}
-    points: list[NDArray[np.float64]] = []
+    points: list[Floats] = []
     for T_world_base in bases_of(world).values():
         for posture in postures:
             T = world.link_frames(posture, T_world_base)
@@ -153,14 +155,14 @@ def arm_landmarks(world: World, theta: NDArray[np.float64], theta_demo: NDArray[
     return np.concatenate(points)
 
 
-def name_at(world: World, T_world_base: NDArray[np.float64]) -> NDArray[np.float64]:
+def name_at(world: World, T_world_base: Floats) -> Floats:
     """Return a place for an arm's name, (3,) m, where its base does not hide it in the default view."""
     base = link_meshes(world.scene.robot)[0].vertices @ T_world_base[:3, :3].T + T_world_base[:3, 3]
     size = world.scene.size
     return unhidden(T_world_base[:3, 3] * [1, 1, 0] + size * LABEL_OFFSET, base, size)
 
 
-def unhidden(place: NDArray[np.float64], body: NDArray[np.float64], size: float) -> NDArray[np.float64]:
+def unhidden(place: Floats, body: Floats, size: float) -> Floats:
     """Move a place on the floor, (3,) m, towards the default view until a body does not hide a name there.
 
     body: points, (k, 3) m; size: the scene's.
@@ -178,27 +180,22 @@ def unhidden(place: NDArray[np.float64], body: NDArray[np.float64], size: float)
     return place
 
 
-def on_plate(camera: Camera, image: NDArray[np.float64], size: float = 1.0) -> NDArray[np.float64]:
+def on_plate(camera: Camera, image: Floats, size: float = 1.0) -> Floats:
     """Project image points, (k, 2) px, on the plate in front of the camera, (k, 3) m. size: the scene's."""
     return camera.T_world_camera[:3, 3] + size * PLATE * camera.ray(image)
 
 
-def corners(camera: Camera) -> NDArray[np.float64]:
+def corners(camera: Camera) -> Floats:
     """Return the corners of the image, (4, 2) px, clockwise from the top left."""
     return np.array([[0, 0], [camera.width, 0], [camera.width, camera.height], [0, camera.height]], float)
 
 
-def _pedestal(world: World, arm: str, T_world_base: NDArray[np.float64]) -> Solid:
-    x, y, height = T_world_base[:3, 3] + [0, 0, _below(world, T_world_base)]
+def _pedestal(world: World, arm: str, T_world_base: Floats) -> Solid:
     size = world.scene.size
+    below = float((link_meshes(world.scene.robot)[0].vertices @ T_world_base[2, :3]).min())  # its lowest vertex
+    x, y, height = T_world_base[:3, 3] + [0, 0, below if below < -MIN_LEGS * size else 0]
     vertices, faces = pedestal(max(height / size, 0.03))
     return Solid(f"{arm}_pedestal", "pedestal", size * vertices, faces, np.array([x, y, height]), np.eye(3))
-
-
-def _below(world: World, T_world_base: NDArray[np.float64]) -> float:
-    """Return the height of a base's lowest vertex above its origin, negative for legs, m; 0 for a mounted base."""
-    lowest = float((link_meshes(world.scene.robot)[0].vertices @ T_world_base[2, :3]).min())
-    return lowest if lowest < -MIN_LEGS * world.scene.size else 0.0
 
 
 def _head(world: World) -> Iterator[Solid]:
@@ -208,22 +205,13 @@ def _head(world: World) -> Iterator[Solid]:
     forward = sum(camera.T_world_camera[:3, 2] for camera in cameras_of(world)) * [1, 1, 0]
     turn = rotation_about_axis([0, 0, 1], np.arctan2(forward[1], forward[0]))
     half = world.scene.head.baseline / 2 / size
-    yield _solid("stand", "metal", stand(below[2] / size), size, below, turn)
-    yield _solid("bar", "metal", box((0.04, 2 * half + 0.06, 0.025)), size, below, turn)
-    for side in (-1, 1):
-        place = centre + size * (turn @ [-0.035, side * half, 0])
-        yield _solid(f"camera{side}", "lens", box((0.07, 0.09, 0.065)), size, place, turn)
-
-
-def _solid(
-    name: str,
-    colour: str,
-    shape: Mesh,
-    size: float,
-    position: NDArray[np.float64],
-    turn: NDArray[np.float64],
-) -> Solid:
-    return Solid(name, colour, size * shape[0], shape[1], position, turn)
+    eyes = [(f"camera{side}", centre + size * (turn @ [-0.035, side * half, 0])) for side in (-1, 1)]
+    for name, colour, (vertices, faces), place in (
+        ("stand", "metal", stand(below[2] / size), below),
+        ("bar", "metal", box((0.04, 2 * half + 0.06, 0.025)), below),
+        *((name, "lens", box((0.07, 0.09, 0.065)), place) for name, place in eyes),
+    ):
+        yield Solid(name, colour, size * vertices, faces, place, turn)
 
 
 # Shapes. All are closed and their faces turn outwards: a renderer then draws one side only, in half the time, and casts
@@ -240,8 +228,8 @@ def turned(profile: list[tuple[float, float]], sides: int = 32) -> Mesh:
     """Return a solid of revolution about z with sharp edges. profile: (radius, z) m from the bottom up."""
     angles = np.linspace(0, 2 * np.pi, sides, endpoint=False)
     circle = np.stack([np.cos(angles), np.sin(angles)], -1)
-    vertices: list[NDArray[np.float64]] = []
-    faces: list[NDArray[np.float64]] = []
+    vertices: list[Floats] = []
+    faces: list[Floats] = []
     for (r0, z0), (r1, z1) in zip(profile, profile[1:]):
         first = sum(len(ring) for ring in vertices)
         for r, z in ((r0, z0), (r1, z1)):
@@ -263,7 +251,7 @@ def stand(height: float) -> Mesh:
     return turned([(0, -height), (0.16, -height), (0.16, 0.02 - height), (0.022, 0.02 - height), (0.022, 0), (0, 0)])
 
 
-def sheet(corners: NDArray[np.float64]) -> Mesh:
+def sheet(corners: Floats) -> Mesh:
     """Return a quadrilateral, (4, 3) m, that is visible from both sides."""
     faces = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32)
     return np.concatenate([corners, corners]).astype(np.float32), np.concatenate([faces, faces[:, ::-1] + 4])
@@ -278,7 +266,7 @@ def box(size: tuple[float, float, float]) -> Mesh:
 # The default view
 
 
-def default_view() -> NDArray[np.float64]:
+def default_view() -> Floats:
     """Return R_world_camera, (3, 3), of the default view: right, down, forward in columns."""
     forward = -np.array([np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)])
     right = np.cross(forward, [0, 0, 1.0])
@@ -286,9 +274,7 @@ def default_view() -> NDArray[np.float64]:
     return np.stack([right, np.cross(forward, right), forward], axis=-1)
 
 
-def fit_view(
-    points: NDArray[np.float64], aspect: float, below: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def fit_view(points: Floats, aspect: float, below: float) -> tuple[Floats, Floats]:
     """Return position and target, m, of a camera with the default direction and FOV that just shows points, (k, 3) m.
 
     below: share of the height that stays free at the bottom. Each side of the frame is a plane through the

@@ -76,29 +76,28 @@ def faults(lesson: Lesson) -> Faults:
     """Yield the faults of a lesson, without its scenes."""
     ids: set[str] = set()
     for k, step in enumerate(lesson.step):
-        for where, what in _of_step(lesson, step, ids):
-            yield f".step[{k}]{where}", what
+        yield from _at(f".step[{k}]", _of_step(lesson, step, ids))
         ids.add(step.id)
     least = max(1, round(least_minutes(lesson)))
     if lesson.minutes < least:
-        yield (
-            ".minutes",
-            f"it takes {least}: {WORDS_PER_MINUTE} words a minute, and {SECONDS_TO_ACT} s for each step",
-        )
+        why = f"it takes {least}: {WORDS_PER_MINUTE} words a minute, and {SECONDS_TO_ACT} s for each step"
+        yield ".minutes", why
 
 
 def faults_in_scenes(lesson: Lesson) -> Faults:
     """Yield joints, points and settings that the scenes of a lesson do not have. This loads them."""
     for k, step in enumerate(lesson.step):
-        for where, what in _of_scene(lesson, step):
-            yield f".step[{k}]{where}", what
+        yield from _at(f".step[{k}]", _of_scene(lesson, step))
+
+
+def _at(place: str, found: Faults) -> Faults:
+    return ((f"{place}{where}", what) for where, what in found)
 
 
 def faults_of_questions(questions: Questions, lessons: Mapping[str, Lesson]) -> Faults:
     """Yield the faults of the eight questions."""
     for k, item in enumerate(questions.item):
-        for where, what in _of_item(item, lessons):
-            yield f".item[{k}]{where}", what
+        yield from _at(f".item[{k}]", _of_item(item, lessons))
     if len({item.id for item in questions.item}) < len(questions.item):
         yield ".item", "two questions have the same id"
 
@@ -158,8 +157,7 @@ def _of_step(lesson: Lesson, step: Step, before: set[str]) -> Faults:
         yield ".main", "a step needs a figure to look at"
     for place, figures in (("main", step.main), ("side", step.side)):
         for i, figure in enumerate(figures):
-            for where, what in _of_figure(figure):
-                yield f".{place}[{i}]{where}", what
+            yield from _at(f".{place}[{i}]", _of_figure(figure))
     if step.carry is not None and step.carry not in before:
         yield ".carry", f"no step {step.carry!r} before this one; there are {', '.join(sorted(before)) or 'none'}"
     yield from _known(".race", step.race, "servo", SERVOS)
@@ -173,13 +171,10 @@ def _of_step(lesson: Lesson, step: Step, before: set[str]) -> Faults:
 
 
 def _of_figure(figure: Figure) -> Faults:
-    kinds = figure_kinds()
-    if figure.figure not in kinds:
-        yield ".figure", _unknown("figure", figure.figure, kinds)
-        return
-    for name in ("show", "reveal", "hide"):
-        layers = kinds[figure.figure].layers
-        yield from _known(f".{name}", getattr(figure, name), f"layer of {figure.figure}", layers)
+    yield from _known(".figure", (figure.figure,), "figure", figure_kinds())
+    if (kind := figure_kinds().get(figure.figure)) is not None:
+        for name in ("show", "reveal", "hide"):
+            yield from _known(f".{name}", getattr(figure, name), f"layer of {figure.figure}", kind.layers)
 
 
 def _of_sliders(sliders: tuple[Slider, ...]) -> Faults:
@@ -201,7 +196,9 @@ def _of_ask(step: Step) -> Faults:
     if isinstance(ask, Choice):
         yield from _of_choice(ask)
     elif isinstance(ask, Place):
-        yield from _of_place(step, ask)
+        yield from _of_asking_figure(step, ask.figure)
+        if (ask.line is None) != (ask.on_line is None):
+            yield ".ask", "line and on_line need each other"
     elif isinstance(ask, Number):
         yield from _of_number(ask)
     elif isinstance(ask, Do):
@@ -213,9 +210,8 @@ def _of_ask(step: Step) -> Faults:
         yield from _of_asking_figure(step, ask.figure)
         if names != KNOB_SLIDERS:
             yield ".sliders", f"predict turns two knobs: it needs the sliders {' and '.join(KNOB_SLIDERS)}"
-    elif isinstance(ask, Pose):
-        if names != GUESS_SLIDERS:
-            yield ".sliders", f"a pose has two joints: it needs the sliders {' and '.join(GUESS_SLIDERS)}"
+    elif isinstance(ask, Pose) and names != GUESS_SLIDERS:
+        yield ".sliders", f"a pose has two joints: it needs the sliders {' and '.join(GUESS_SLIDERS)}"
     if not isinstance(ask, Pose) and any(name.startswith("guess ") for name in names):
         yield ".sliders", "the ghost arm is turned where its posture is asked for, with kind = 'pose'"
 
@@ -235,12 +231,6 @@ def _of_asking_figure(step: Step, name: str) -> Faults:
     elif name in figure_kinds() and not figure_kinds()[name].placeable:
         able = [figure for figure, kind in figure_kinds().items() if kind.placeable]
         yield ".ask.figure", f"nothing can be marked in {name!r}, only in {', '.join(able)}"
-
-
-def _of_place(step: Step, ask: Place) -> Faults:
-    yield from _of_asking_figure(step, ask.figure)
-    if (ask.line is None) != (ask.on_line is None):
-        yield ".ask", "line and on_line need each other"
 
 
 def _of_number(ask: Number) -> Faults:
@@ -280,8 +270,4 @@ def _of_scene(lesson: Lesson, step: Step) -> Faults:
 def _known(where: str, names: Iterable[str], what: str, known: Iterable[str]) -> Faults:
     for name in names:
         if name not in known:
-            yield where, _unknown(what, name, known)
-
-
-def _unknown(what: str, name: str, known: Iterable[str]) -> str:
-    return f"no {what} {name[:60]!r}; there are {', '.join(known) or 'none'}"
+            yield where, f"no {what} {name[:60]!r}; there are {', '.join(known) or 'none'}"

@@ -100,31 +100,19 @@ def follow_circle(situation: Situation) -> CircleRuns:
 def circle_record(situation: Situation) -> dict[str, Any]:
     """Postures of both arms and where the transfers were frozen, rad, as the page has them."""
     made = follow_circle(situation)
-    return {
-        "demonstrator": plain(made.right.run.theta_demo, 6),
-        **{
-            name: {"frozen": plain(one.frozen.theta, 8), "postures": plain(one.run.theta, 6)}
-            for name, one in (("right", made.right), ("early", made.early))
-        },
-    }
+    told = lambda one: {"frozen": plain(one.frozen.theta, 8), "postures": plain(one.run.theta, 6)}
+    demonstrator = plain(made.right.run.theta_demo, 6)
+    return {"demonstrator": demonstrator, "right": told(made.right), "early": told(made.early)}
 
 
 def _followed(world: World, frozen: Snapshot, run: Trajectory) -> Followed:
     assert frozen.transfer is not None
-    own, truth = (
-        _links(world, postures, world.T_world_own, world.own_pair) for postures in (run.theta, run.theta_demo)
-    )
+    own, truth = (_links(world, theta, world.T_world_own, world.own_pair) for theta in (run.theta, run.theta_demo))
     demo = _links(world, run.theta_demo, world.T_world_demo, world.demo_pair)[:, :, -1]
     target = frozen.transfer.recover(demo[:, 0], demo[:, 1]).reshape(-1, 2, 2)
-    hand, true_hand = own[:, :, -1], truth[:, :, -1]
-    return Followed(
-        frozen,
-        run,
-        overlap_px=np.linalg.norm(hand - target, axis=-1).mean(-1),
-        truth_px=np.linalg.norm(hand - true_hand, axis=-1).mean(-1),
-        side=_from_side(world, run.theta),
-        demo_side=_from_side(world, run.theta_demo),
-    )
+    off = lambda place: np.linalg.norm(own[:, :, -1] - place, axis=-1).mean(-1)
+    sides = _from_side(world, run.theta), _from_side(world, run.theta_demo)
+    return Followed(frozen, run, off(target), off(truth[:, :, -1]), *sides)
 
 
 def _links(world: World, postures: Array, T_world_base: Array, pair: Cameras) -> Array:

@@ -101,7 +101,7 @@ export class Lecturer {
     const rows = [make("button", {type: "button", class: "class-count", "aria-expanded": String(Boolean(this.tab)), title: "Who is here (M)", onclick: () => this.open(this.tab ? "" : "Students")},
       make("b", {}, String(count)), " here")];
     if (!link.isOpen) return [...rows, make("span", {class: "warns"}, "No connection to the class’s server.")];
-    if (!this.isLeader) return [...rows, make("span", {class: "warns"}, "Another of your pages leads the class."), order("Take over", () => this.order("take"), {class: "filled"})];
+    if (!this.isLeader) return [...rows, make("span", {class: "warns"}, "Another of your pages leads the class."), order("Take over", () => this.order("do", {what: "take"}), {class: "filled"})];
     if (asked) {
       const total = this.results?.now.total ?? 0;
       rows.push(make("span", {class: "class-asked"}, make("b", {}, `${total} of ${count}`), asked.times > 1 ? ` answered, round ${asked.times}` : " answered"));
@@ -109,15 +109,15 @@ export class Lecturer {
       if (!asked.revealed) rows.push(order(this.showsAnswers ? "Hide answers" : "Show answers", () => this.#showAnswers(), {"aria-pressed": String(this.showsAnswers)}),
         order("Reveal", () => this.#reveal(), {class: "filled"}));
       rows.push(order("Ask again", () => this.#askAgain(), {class: asked.revealed ? "filled" : ""}),
-        order("Close the question", () => this.order("close")));
+        order("Close the question", () => this.order("do", {what: "close"})));
     } else {
       const again = here && this.count.asked.some((/** @type {any} */ one) => one.lesson === here.lesson && one.step === here.step && one.phase === here.phase);
       rows.push(order(again ? "Ask again" : "Ask the class", () => this.order("ask", this.here() ?? {}), {class: "filled", disabled: !here}),
         order("Gather here", () => this.#gather(), {disabled: !here, title: "All go to this step, and on at their own pace"}),
         order("Challenge", () => this.#challenge(), {title: "All get one pose to copy, in as few steps as possible"}),
-        order(orders.lead ? "Release" : "Lead", () => this.order("lead", {on: !orders.lead}), {"aria-pressed": String(orders.lead), title: "All follow this page"}));
+        order(orders.lead ? "Release" : "Lead", () => this.order("switch", {what: "lead", on: !orders.lead}), {"aria-pressed": String(orders.lead), title: "All follow this page"}));
     }
-    rows.push(order(orders.frozen ? "Unfreeze" : "Freeze", () => this.order("freeze", {on: !orders.frozen}), {"aria-pressed": String(orders.frozen), title: "Lock the pages of all"}),
+    rows.push(order(orders.frozen ? "Unfreeze" : "Freeze", () => this.order("switch", {what: "frozen", on: !orders.frozen}), {"aria-pressed": String(orders.frozen), title: "Lock the pages of all"}),
       order(orders.hidden ? "Show truth" : "Hide truth", () => this.#hide(), {"aria-pressed": String(orders.hidden), title: "On all screens (T)"}));
     if (this.count.problem) rows.push(make("span", {class: "warns"}, this.count.problem));
     if (this.note) rows.push(make("span", {class: "class-said"}, this.note));
@@ -164,7 +164,7 @@ export class Lecturer {
     this.panel.dataset.key = "";
   }
 
-  #hide() { this.order("hide", {on: !this.room.orders.hidden}); }
+  #hide() { this.order("switch", {what: "hidden", on: !this.room.orders.hidden}); }
 
   #showAnswers() {
     this.showsAnswers = !this.showsAnswers;
@@ -192,7 +192,7 @@ export class Lecturer {
     this.tab = name;
     this.sure = "";
     this.panel.dataset.key = "";
-    if (name === "Gain") this.order("gain");
+    if (name === "Gain") this.order("do", {what: "gain"});
     if (name === "Join") this.order("invite", {address: /^(localhost|127\.|\[::1\])/.test(location.hostname) ? "" : location.href.replace(/[?#].*/, "")});
     this.draw();
   }
@@ -280,7 +280,7 @@ export class Lecturer {
 
   #gainOf() {
     const {gain} = this, items = this.room.lesson.lessons().flatMap((/** @type {any} */ one) => one.questions ?? []);
-    const refresh = button("Count again", () => this.order("gain"));
+    const refresh = button("Count again", () => this.order("do", {what: "gain"}));
     if (!gain) return make("div", {class: "class-inside"}, make("p", {class: "text"}, "Counting …"));
     if (!gain.enough) return make("div", {class: "class-inside"}, make("p", {class: "text"}, `${gain.persons} ${gain.persons === 1 ? "person has" : "persons have"} answered the eight questions before and after. Below five nothing is shown: single persons could be recognised.`), refresh);
     const two = (/** @type {number} */ value) => value.toFixed(2).replace("-", "−"), percent = (/** @type {number} */ value) => `${Math.round(100 * value)} %`;
@@ -326,13 +326,13 @@ export class Lecturer {
     const state = () => this.room.screen();
     return make("div", {class: "class-inside class-more"},
       make("h3", {}, "Answers"), make("p", {class: "hint"}, "One line for each answer: person, form, item, phase, answer, right, sure, seconds. Persons are random numbers."),
-      make("p", {}, button("Answers as CSV", () => this.order("export")), twice("Delete all answers", () => this.order("new"))),
-      make("h3", {}, "All pages"), make("p", {}, button("Send my screen to all, once", () => this.order("state", {state: state(), once: true})), twice("All begin this step again", () => this.order("reset"))),
+      make("p", {}, button("Answers as CSV", () => this.order("do", {what: "export"})), twice("Delete all answers", () => this.order("do", {what: "new"}))),
+      make("h3", {}, "All pages"), make("p", {}, button("Send my screen to all, once", () => this.order("state", {state: state(), once: true})), twice("All begin this step again", () => this.order("do", {what: "reset"}))),
       make("h3", {}, "The lecturer’s code"), make("p", {class: "hint"}, "At least eight letters. All other browsers of lecturers are then logged out."),
       make("form", {class: "class-login", onsubmit: change}, code, make("button", {class: "plain"}, "Change the code")),
       make("h3", {}, "This browser"), make("p", {}, button("Leave: no lecturer here any more", () => {
         tab.set("session", null);
-        this.order("logout");
+        this.order("do", {what: "logout"});
       })));
   }
 }

@@ -27,10 +27,8 @@ def exam_items() -> list[dict[str, Any]]:
 
 
 def gift(items: Sequence[dict[str, Any]]) -> str:
-    """Return items as a file that Moodle imports as "GIFT format".
-
-    Each answer has its reply as feedback, and each item its beliefs as tags.
-    """
+    """Return items as a file that Moodle imports as "GIFT format". Each answer has its reply as feedback, and each item
+    its beliefs as tags."""
     parts = [f"// {TITLE}", f"$CATEGORY: {CATEGORY}"]
     for item in items:
         tags = " ".join(f"[tag:{answer['belief']}]" for answer in item["answers"] if answer["belief"])

@@ -55,10 +55,8 @@ def compute(
     situation: Situation, measures: Iterable[str], figures: Iterable[str] = ()
 ) -> tuple[dict[str, dict[str, Any]], dict[str, Any]]:
     """Compute the facts {measure: {"value", "unit", "text"}} and the records {name: plain data for JSON} of a step.
-
     situation: the step's fixed state, or one that was sampled; measures: names in braces and of the question, of which
-    those that the browser computes are left out; figures: names of the step's figures.
-    """
+    those that the browser computes are left out; figures: names of the step's figures."""
     facts = {name: FACTS[name].tell(situation) for name in measures if name in FACTS}
     names = {record for figure in figures for record in FIGURE_RECORDS.get(figure, ())}
     names |= {"races"} if situation.race else set()
@@ -81,16 +79,12 @@ def share(value: float) -> str:
     return f"{'an' if leading[0] == '8' or whole in (11, 18) else 'a'} {whole}{ending}"
 
 
-def _far(situation: Situation) -> Situation:
-    return situation.with_eyes(distance=FAR_TIMES)
-
-
 def _bias_at(times: float) -> Callable[[Situation], float]:
     return lambda situation: records.bias_deg(situation.with_eyes(distance=times))
 
 
-def _arrow_px(situation: Situation) -> float:
-    return float(np.sqrt(situation.start.E))
+def _left_of_arrows(situation: Situation) -> float:
+    return float(np.sqrt(situation.with_eyes(distance=FAR_TIMES).start.E / situation.start.E))
 
 
 def valley_E(situation: Situation) -> float:
@@ -151,11 +145,6 @@ def _off_case(name: str) -> Callable[[Situation], float]:
     return lambda situation: records.bias_deg(records.rectified(situation)[name])
 
 
-def off_cases(situation: Situation) -> dict[str, float]:
-    """Degrees from the smallest E to the demonstrator, by case of `records.rectified`."""
-    return {name: records.plain(records.bias_deg(one)) for name, one in records.rectified(situation).items()}
-
-
 def _rectifies(situation: Situation) -> float:
     """Which answer is right: more points, bending the images, nothing."""
     off = [_off_case(name)(situation) for name in ("more points", "rectified")]
@@ -167,19 +156,12 @@ def _at_rest(of: Callable[[Snapshot], float]) -> Callable[[Situation], float]:
 
 
 def _followed(of: Callable[[Followed], float], which: str) -> Callable[[Situation], float]:
-    def fact(situation: Situation) -> float:
-        made = circle.follow_circle(situation)
-        return float(of(made.right if which == "right" else made.early))
-
-    return fact
+    return lambda situation: float(of(getattr(circle.follow_circle(situation), which)))
 
 
 def _median_motions(servo: str) -> Callable[[Situation], float]:
-    def fact(situation: Situation) -> float:
-        starts = samples.race_starts(situation)
-        return float(np.median([records.motions_to(records.run(one, servo), samples.RACE_GOAL) for one in starts]))
-
-    return fact
+    motions = lambda one: records.motions_to(records.run(one, servo), samples.RACE_GOAL)
+    return lambda situation: float(np.median(list(map(motions, samples.race_starts(situation)))))
 
 
 def widest_deg(situation: Situation, below: float) -> float:
@@ -191,11 +173,8 @@ def widest_deg(situation: Situation, below: float) -> float:
 
 
 def _open(points: int) -> Callable[[Situation], float]:
-    def fact(situation: Situation) -> float:
-        usual = Situation(Settings.paper(demonstrator_deg=(62, -118), points=points))
-        return widest_deg(usual, OPEN_BELOW)
-
-    return fact
+    usual = Situation(Settings.paper(demonstrator_deg=(62, -118), points=points))
+    return lambda situation: widest_deg(usual, OPEN_BELOW)
 
 
 def _hand_run_off(situation: Situation) -> float:
@@ -219,11 +198,9 @@ FACTS: Mapping[str, Fact] = {
     "bias at once the distance": Fact(_bias_at(1.0), "°", 1),
     "bias at ten times the distance": Fact(_bias_at(FAR_TIMES), "°"),
     "share of the bias that is left": Fact(
-        lambda situation: records.bias_deg(_far(situation)) / records.bias_deg(situation), write=share
+        lambda situation: _bias_at(FAR_TIMES)(situation) / records.bias_deg(situation), write=share
     ),
-    "share of the arrows that is left": Fact(
-        lambda situation: _arrow_px(_far(situation)) / _arrow_px(situation), write=share
-    ),
+    "share of the arrows that is left": Fact(_left_of_arrows, write=share),
     "E once the distance": Fact(lambda situation: situation.start.E, " px²"),
     "the paper's bias": Fact(lambda situation: PAPER_BIAS_DEG, "°", 0),
     "bias without noise": Fact(lambda situation: records.bias_deg(situation.with_settings(noise_px=0.0)), "°", 1),
@@ -277,7 +254,9 @@ RECORDS: Mapping[str, Callable[[Situation], Any]] = {  # by the name under which
     "clouds": records.clouds_record,
     "swapped": lambda situation: [list(pair) for pair in records.true_pairs(situation)],
     "rectification": records.rectification_record,
-    "offDeg": off_cases,
+    "offDeg": lambda situation: {
+        name: records.plain(records.bias_deg(one)) for name, one in records.rectified(situation).items()
+    },
     "circle": circle.circle_record,
     "runs": lambda situation: sign.runs_record(),
 }

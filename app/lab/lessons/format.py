@@ -131,11 +131,9 @@ Ask = Choice | Place | Number | Do | Pose | Predict | Bet
 
 
 class Slider(msgspec.Struct, **FIELDS):
-    """What a slider turns, by its name.
-
-    `demo 1`, `own 1`, `guess 1`, … are joints of the demonstrator, the learner and the ghost arm. A field of `Settings`
-    sets that field. `distance`, `camera distance` and `baseline` move the eyes. Other names are for the step's figures.
-    """
+    """What a slider turns, by its name. `demo 1`, `own 1`, `guess 1`, … are joints of the demonstrator, the learner and
+    the ghost arm. A field of `Settings` sets that field. `distance`, `camera distance` and `baseline` move the eyes.
+    Other names are for the step's figures."""
 
     name: str
     label: str
@@ -207,10 +205,8 @@ class Questions(msgspec.Struct, **FIELDS):
 
 
 def settings_of(lesson: Lesson, step: Step, **changes: Any) -> Settings:
-    """Return a step's settings: the paper's, changed by the lesson, the step and `changes`.
-
-    Raises ValueError for a value that a setting cannot have; the message names the setting.
-    """
+    """Return a step's settings: the paper's, changed by the lesson, the step and `changes`. Raises ValueError for a
+    value that a setting cannot have; the message names the setting."""
     fields = {**lesson.settings, **step.settings, **changes}
     return msgspec.convert({**PAPER_FIELDS, **fields}, Settings)
 

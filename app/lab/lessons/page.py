@@ -7,7 +7,8 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from string import Template
-from typing import Any
+from types import MappingProxyType
+from typing import Any, TypeAlias
 
 from viewimit import __version__
 from viewimit.drawing.glossary import glossary
@@ -19,40 +20,33 @@ from ..page import NO_WAYS, SHIPPED, served_page, served_scenes, with_few_points
 from ..replay import bundle, packed, styles, with_policy
 from .format import Lesson
 from .source import ORDER, questions, shipped
-from .step_data import Scenes, items_with_facts, lesson_data, situation_of
+from .step_data import TOLD, Scenes, items_with_facts, lesson_data, situation_of
 
 HERE = Path(__file__).parent
 ENTRY = "lessons/lesson.js"
 STYLE_FILES = (
-    "lessons/lesson.css",
-    "view/ways.css",
-    "lessons/paper.css",
-    "lessons/figures/figures.css",
-    "lessons/figures/limits.css",
-    "challenge/joints.css",
-)
+    "lessons/lesson.css", "view/ways.css", "lessons/paper.css", "lessons/figures/figures.css",
+    "lessons/figures/limits.css", "challenge/joints.css",
+)  # fmt: skip
+Lessons: TypeAlias = Mapping[str, Lesson]
+Lab: TypeAlias = tuple[str, str | None]  # scene and robot, as settings name them
+NONE: Lessons = MappingProxyType({})
+USUAL: Lab = SHIPPED, None
 MAX_BYTES = 800_000  # of a page with one lesson
 
 
 def lesson_page(
-    lessons: Mapping[str, Lesson],
-    entry: str = ENTRY,
-    more_styles: str = "",
-    others: Mapping[str, Lesson] | None = None,
-    lab: tuple[str, str | None] = (SHIPPED, None),
+    lessons: Lessons, entry: str = ENTRY, more_styles: str = "", others: Lessons = NONE, lab: Lab = USUAL,
     ways: Ways = NO_WAYS,
-) -> str:
-    """Return lessons, by name in their order, as one HTML page.
-
-    entry: the module that runs, a path in app/lab/; more_styles: CSS after the page's own; others: lessons that are
-    served beside this page, to which it then has links by name; lab: scene and robot of the lab beside it, as
-    settings name them; ways: where the header's verbs lead. Raises ValueError for lessons of more than one robot,
-    or a scene that the lab cannot compute.
-    """
+) -> str:  # fmt: skip
+    """Return lessons, by name in their order, as one HTML page. entry: the module that runs, a path in app/lab/;
+    more_styles: CSS after the page's own; others: lessons that are served beside this page, to which it then has links
+    by name; lab: scene and robot of the lab beside it, as settings name them; ways: where the header's verbs lead.
+    Raises ValueError for lessons of more than one robot, or a scene that the lab cannot compute."""
     first = next(iter(lessons.values()))
     data = json.dumps(page_data(lessons, others, lab), separators=(",", ":"), allow_nan=False)
     title = f"{first.title} · viewimit" if len(lessons) == 1 else "Lessons · viewimit"
-    page = _template().substitute(
+    page = Template(HERE.joinpath("lesson.html").read_text("utf-8")).substitute(
         version=html.escape(__version__),
         title=html.escape(title),
         about=html.escape(first.about),
@@ -65,26 +59,18 @@ def lesson_page(
     return with_policy(page)
 
 
-def page_data(
-    lessons: Mapping[str, Lesson],
-    others: Mapping[str, Lesson] | None = None,
-    lab: tuple[str, str | None] = (SHIPPED, None),
-) -> dict[str, Any]:
+def page_data(lessons: Lessons, others: Lessons = NONE, lab: Lab = USUAL) -> dict[str, Any]:
     """Return what the page's script reads: hulls, scenes, glossary, catalogue and lessons."""
-    scenes = Scenes()
-    plain = [lesson_data(name, lesson, scenes) for name, lesson in lessons.items()]
-    for one, lesson in zip(plain, lessons.values()):
-        one["questions"] = items_with_facts(questions().item) if lesson.questions else None
+    scenes, plain = Scenes(), []
+    for name, lesson in lessons.items():
+        asked = items_with_facts(questions().item) if lesson.questions else None
+        plain.append({**lesson_data(name, lesson, scenes), "questions": asked})
     catalogue = [
-        {
-            **{"name": name, "title": lesson.title, "short": lesson.short, "about": lesson.about},
-            **{"afterwards": lesson.afterwards, "minutes": lesson.minutes, "here": name in lessons},
-        }
-        for name, lesson in {**(others or {}), **lessons}.items()
+        {"name": name, "here": name in lessons, **{key: getattr(lesson, key) for key in TOLD}}
+        for name, lesson in {**others, **lessons}.items()
     ]
-    robot = _robot_of(lessons.values())
     return {
-        "hulls": describe_hulls(robot),
+        "hulls": describe_hulls(_robot_of(lessons.values())),
         "scenes": {key: _with_links(scene, lab) for key, scene in scenes.items()},
         "glossary": terms(),
         "catalogue": sorted(catalogue, key=lambda one: ORDER.index(one["name"]) if one["name"] in ORDER else -1),
@@ -92,7 +78,7 @@ def page_data(
     }
 
 
-def _with_links(scene: dict[str, Any], lab: tuple[str, str | None]) -> dict[str, Any]:
+def _with_links(scene: dict[str, Any], lab: Lab) -> dict[str, Any]:
     """The scene with the lab's preset and viewimit's name for it; None where they have no such scene."""
     plain = {name: field for name, field in scene.items() if name != "page"}
     page = scene["page"]
@@ -121,11 +107,9 @@ def terms() -> dict[str, str]:
 
 
 class LabPages:
-    """The pages of the lab on a server: the lab itself, and each lesson when it is asked for first.
-
-    scene, robot: of the lab, as settings name them; own: lessons of a lecturer by name, beside the shipped ones, whose
-    pages are computed at once, which takes seconds.
-    """
+    """The pages of the lab on a server: the lab itself, and each lesson when it is asked for first. scene, robot: of
+    the lab, as settings name them; own: lessons of a lecturer by name, beside the shipped ones, whose pages are
+    computed at once, which takes seconds."""
 
     def __init__(self, scene: str = SHIPPED, robot: str | None = None, own: Mapping[str, Lesson] | None = None):
         self.lessons: Mapping[str, Lesson] = {**(own or {}), **shipped()}
@@ -145,11 +129,5 @@ class LabPages:
             return self._pages[name]
 
     def _write(self, name: str) -> str:
-        return lesson_page(
-            {name: self.lessons[name]}, others=self.lessons, lab=self._lab, ways=Ways.served("../", ORDER[0])
-        )
-
-
-@cache
-def _template() -> Template:
-    return Template(HERE.joinpath("lesson.html").read_text("utf-8"))
+        ways = Ways.served("../", ORDER[0])
+        return lesson_page({name: self.lessons[name]}, others=self.lessons, lab=self._lab, ways=ways)

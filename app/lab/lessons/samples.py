@@ -20,10 +20,8 @@ RACE_STARTS, RACE_SEED, RACE_GOAL = 16, 5, 3.0  # random starts over which servo
 
 def sample_postures(situation: Situation, count: int, seed: int) -> list[Situation]:
     """Sample `count` postures of both arms from which E can be brought below the situation's goal, if it has one, and
-    whose start is far from it.
-
-    Raises ValueError if too few are found, as for a goal that hardly any start is far from.
-    """
+    whose start is far from it. Raises ValueError if too few are found, as for a goal that hardly any start is far
+    from."""
     found: list[Situation] = []
     rng = np.random.default_rng(seed)
     tried = 0

@@ -16,7 +16,7 @@ from viewimit.sensing.files import parse_toml
 from viewimit.servo import SERVOS
 from viewimit.simulation.world import World
 
-from .records import CLAIM_DEG, claim_probability, claim_record, plain, run
+from .records import CLAIM_DEG, claim_probability, plain, run, run_record
 from .situation import Situation
 
 MAX_MOTIONS = 60
@@ -63,10 +63,7 @@ def _record(signed: SignedRun) -> dict[str, Any]:
     off, seen = off_deg(last), last.usable
     return {
         "name": signed.name,
-        "claim": claim_record(session),
-        "postures": plain([moment.theta for moment in session.history], 6),
-        "E": plain([moment.E for moment in session.history]),
-        "probes": [bool(moment.probe) for moment in session.history],
+        **run_record(session),
         "method": method_text(signed.settings),
         "points": points_text(world, int(seen.sum())),
         "noise": noise_text(signed.settings),

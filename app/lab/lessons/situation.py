@@ -25,10 +25,8 @@ EYE_SLIDERS = ("distance", "baseline")  # sliders that move the eyes
 
 @dataclass(frozen=True, eq=False)
 class Situation:
-    """The state that a step shows. Scene, world and images are computed when first used.
-
-    Two situations are equal if settings, scene and eyes are: then they have the same maps, clouds and runs.
-    """
+    """The state that a step shows. Scene, world and images are computed when first used. Two situations are equal if
+    settings, scene and eyes are: then they have the same maps, clouds and runs."""
 
     settings: Settings
     scene_fields: Mapping[str, Any] = field(default_factory=dict)  # of the scene file, that the step changes
@@ -90,11 +88,9 @@ class Situation:
 
 
 def move_eyes(scene: Scene, slider: str, value: float) -> Scene:
-    """Return a scene with its eyes moved. Raises ValueError for another slider.
-
-    slider: "distance", times the distance from the middle between the gaze points, with longer focal lengths, or
-    "baseline", the distance of the eyes from each other [cm].
-    """
+    """Return a scene with its eyes moved. Raises ValueError for another slider. slider: "distance", times the distance
+    from the middle between the gaze points, with longer focal lengths, or "baseline", the distance of the eyes from
+    each other [cm]."""
     if slider == "distance":
         return _at_distance(scene, value)
     if slider == "baseline":
@@ -103,11 +99,9 @@ def move_eyes(scene: Scene, slider: str, value: float) -> Scene:
 
 
 def _at_distance(scene: Scene, times: float) -> Scene:
-    """Return the scene after a dolly zoom.
-
-    The head moves back from the middle between its gaze points, to `times` its root mean square distance from them.
-    Focal lengths grow until both arms' points spread as far in the images as before.
-    """
+    """Return the scene after a dolly zoom. The head moves back from the middle between its gaze points, to `times` its
+    root mean square distance from them. Focal lengths grow until both arms' points spread as far in the images as
+    before."""
     head = scene.head
     gazes = np.array([head.gaze_demonstrator, head.gaze_learner])
     middle = gazes.mean(0)

@@ -39,10 +39,8 @@ def questions() -> Questions:
 
 
 def load(path: Path, tried: bool = False) -> Lesson:
-    """Read a lesson file. tried: check it in its scenes as well, which takes a moment.
-
-    Raises ValueError for a file that is no lesson, naming file, line and field; OSError.
-    """
+    """Read a lesson file. tried: check it in its scenes as well, which takes a moment. Raises ValueError for a file
+    that is no lesson, naming file, line and field; OSError."""
     lesson = _read(path, Lesson, faults)
     if tried:
         for where, what in faults_in_scenes(lesson):
@@ -51,10 +49,8 @@ def load(path: Path, tried: bool = False) -> Lesson:
 
 
 def own(paths: Iterable[Path]) -> dict[str, Lesson]:
-    """Read a lecturer's lessons, each checked in its scenes.
-
-    Their names contain a checksum: a changed file is another lesson, and answers to the old one do not count.
-    """
+    """Read a lecturer's lessons, each checked in its scenes. Their names contain a checksum: a changed file is another
+    lesson, and answers to the old one do not count."""
     lessons = {}
     for path in paths:
         lesson = load(path, tried=True)
@@ -65,8 +61,7 @@ def own(paths: Iterable[Path]) -> dict[str, Lesson]:
 
 def find(given: str) -> tuple[str, Lesson]:
     """Return name and lesson of what a command was given: a shipped one by name, or a file. Raises ValueError for
-    neither.
-    """
+    neither."""
     if given in ORDER:
         return given, shipped()[given]
     path = Path(given)

@@ -16,7 +16,6 @@ import numpy as np
 from viewimit.assets import ROOT
 
 import viewimit
-from viewimit.simulation.scene import Scene
 
 from ..engine_scene import engine_scene
 from ..page import with_few_points
@@ -30,6 +29,7 @@ EYE_SLIDERS = ("distance", "camera distance", "baseline")
 LOGARITHMIC_VALUES = 25  # of a slider that moves the eyes, besides 1 and 10
 SAMPLE_SEED = 44
 SAMPLES = 12  # states that are sampled of a step
+TOLD = "title", "short", "about", "afterwards", "minutes"  # fields of a lesson that a page has as they are
 Scenes = dict[str, dict[str, Any]]
 
 
@@ -52,13 +52,12 @@ def _origin(lesson: Lesson, step: Step) -> Step:
 
 def lesson_data(name: str, lesson: Lesson, scenes: Scenes) -> dict[str, Any]:
     """Return a lesson as the page has it, without the eight questions. Its scenes are added to `scenes`."""
-    fields = msgspec.to_builtins(lesson)
+    told = {key: getattr(lesson, key) for key in TOLD}
     steps = []
-    for step, plain in zip(lesson.step, fields.pop("step")):
+    for step in lesson.step:
         own_scenes, computed = step_data(lesson, step)
         scenes.update(own_scenes)
-        steps.append({**plain, **computed})
-    told = {key: fields[key] for key in ("title", "short", "about", "afterwards", "minutes")}
+        steps.append({**msgspec.to_builtins(step), **computed})
     return {"name": name, **told, "steps": steps}
 
 
@@ -109,47 +108,34 @@ def compute_questions(items: Iterable[Item]) -> dict[str, str]:
 
 def compute_step(lesson: Lesson, step: Step) -> tuple[Scenes, dict[str, Any]]:
     """Compute what `step_data` returns."""
-    situation, origin, scenes = situation_of(lesson, step), _origin(lesson, step), Scenes()
-    data = _of_situation(step, situation, scenes)
-    if origin.randomise:
-        data["samples"] = [_of_situation(step, one, scenes) for one in sampled_situations(lesson, step)]
+    scenes = Scenes()
+    data = _of_situation(step, situation_of(lesson, step), scenes)
+    if samples := sampled_situations(lesson, step):
+        data["samples"] = [_of_situation(step, one, scenes) for one in samples]
     return _plain(scenes), _plain(data)
 
 
 def sampled_situations(lesson: Lesson, step: Step) -> list[Situation]:
     """Return the states that are sampled of a step, or in the one that it carries on; none for others."""
-    origin = _origin(lesson, step)
-    if not origin.randomise:
+    if not _origin(lesson, step).randomise:
         return []
     return sample_postures(situation_of(lesson, step), SAMPLES, SAMPLE_SEED)
 
 
 def _of_situation(step: Step, situation: Situation, scenes: Scenes) -> dict[str, Any]:
     found, records = facts.compute(situation, list(measures_of(step)), [figure.figure for figure in figures_of(step)])
-    variants = {
-        slider.name: [
-            {"value": value, "cameras": _moved_cameras(situation, slider.name, value)} for value in values_of(slider)
-        ]
-        for slider in step.sliders
-        if slider.name in EYE_SLIDERS
-    }
-    state = _state(situation, _add_scene(situation, scenes))
-    return {"state": state, "facts": found, "records": records, "variants": variants}
-
-
-def _state(situation: Situation, key: str) -> dict[str, Any]:
+    moved = lambda name, value: {"value": value, "cameras": _moved_cameras(situation, name, value)}
+    eyes = (slider for slider in step.sliders if slider.name in EYE_SLIDERS)
+    variants = {slider.name: [moved(slider.name, value) for value in values_of(slider)] for slider in eyes}
     settings, start = situation.settings, situation.start
-    return {
-        "scene": key,
-        "points": settings.points,
-        "transfer": settings.transfer,
-        "servo": settings.servo,
+    state = {
+        "scene": _add_scene(situation, scenes),
+        **{name: getattr(settings, name) for name in ("points", "transfer", "servo", "missing", "seed")},
+        "noisePx": settings.noise_px,
         "demonstrator": start.theta_demo.tolist(),
         "start": start.theta.tolist(),
-        "noisePx": settings.noise_px,
-        "missing": settings.missing,
-        "seed": settings.seed,
     }
+    return {"state": state, "facts": found, "records": records, "variants": variants}
 
 
 def _add_scene(situation: Situation, scenes: Scenes) -> str:
@@ -172,18 +158,12 @@ def values_of(slider: Slider) -> list[float]:
     return sorted({round(value, 6) for value in (*values, *marks)})
 
 
-def _moved_cameras(situation: Situation, slider: str, value: float) -> list[dict[str, Any]]:
-    if slider == "camera distance":
-        return _away(situation.scene, value)
-    return engine_scene(situation.with_eyes(**{slider: value}).scene)["cameras"]
-
-
-def _away(scene: Scene, times: float) -> list[dict[str, Any]]:
-    """Move cameras away from what they look at, and multiply their focal lengths by the same factor.
-
-    Each pair moves by itself, which no head does: the step is about two cameras that look at one body.
-    """
-    cameras = engine_scene(scene)["cameras"]
+def _moved_cameras(situation: Situation, slider: str, times: float) -> list[dict[str, Any]]:
+    """The cameras after a slider has moved the eyes. "camera distance" moves cameras away from what they look at, and
+    multiplies their focal lengths by the same factor; each pair moves by itself, which no head does."""
+    if slider != "camera distance":
+        return engine_scene(situation.with_eyes(**{slider: times}).scene)["cameras"]
+    scene, cameras = situation.scene, engine_scene(situation.scene)["cameras"]
     gazes = np.array([scene.head.gaze_demonstrator] * 2 + [scene.head.gaze_learner] * 2)
     for camera, gaze in zip(cameras, gazes):
         camera["centre"] = (gaze + times * (np.array(camera["centre"]) - gaze)).tolist()

@@ -12,6 +12,7 @@ from ...servo import SERVOS
 from ..plots import describe_settings
 
 PAPER = "“View-Based Imitation Learning by Conflict Resolution with Epipolar Geometry”, IROS 2001"
+SOFTWARE = f"viewimit {__version__}, after {PAPER}"
 
 
 @dataclass(frozen=True)
@@ -23,11 +24,6 @@ class Citation:
     software: str  # name, version and paper
     command: str | None  # repeats the result; None if no command can
     python: str | None  # repeats the result; None if it needs more than settings and actions
-
-    @property
-    def repeated_by(self) -> str:
-        """The command, for a caption; "" without one."""
-        return self.command or ""
 
 
 def cite(session: Session, motion: int | None = None) -> Citation:
@@ -42,7 +38,7 @@ def cite(session: Session, motion: int | None = None) -> Citation:
     except ValueError:  # some action has no words
         pass
     title = f"{moment.method.title}, {moment.servo.title}"
-    return Citation(title, _conditions(moment.settings), _software(), command, python)
+    return Citation(title, _conditions(moment.settings), SOFTWARE, command, python)
 
 
 def cite_both(one: Session, other: Session) -> Citation:
@@ -53,13 +49,7 @@ def cite_both(one: Session, other: Session) -> Citation:
         command = f"{first.command} ; {second.command}"
     if first.python and second.python:
         python = f"{first.python}\n\n{second.python}"
-    return Citation(
-        f"{first.title} against {second.title}",
-        first.conditions,
-        _software(),
-        command,
-        python,
-    )
+    return Citation(f"{first.title} against {second.title}", first.conditions, SOFTWARE, command, python)
 
 
 def cite_experiment(name: str, settings: Settings, motion: object = None) -> Citation:
@@ -71,7 +61,7 @@ def cite_experiment(name: str, settings: Settings, motion: object = None) -> Cit
         except ValueError:
             pass
     title = f"{TRANSFERS[settings.transfer].title}, {SERVOS[settings.servo].title}"
-    return Citation(title, _conditions(settings), _software(), command, None)
+    return Citation(title, _conditions(settings), SOFTWARE, command, None)
 
 
 def _conditions(settings: Settings) -> str:
@@ -79,7 +69,3 @@ def _conditions(settings: Settings) -> str:
     if settings.frames > 1:
         words.append(f"{settings.frames} frames")
     return " · ".join([*words, f"seed {settings.seed}"])
-
-
-def _software() -> str:
-    return f"viewimit {__version__}, after {PAPER}"

@@ -121,9 +121,10 @@ def as_json(report: Report) -> dict:
 
 
 def _frame_json(frame: Frame) -> dict:
-    fields = {name: value for name, value in vars(frame).items() if name != "number"}
     matrices = None if frame.fundamental is None else _matrices(frame)
-    return {"frame": frame.number, **fields, "fundamental": matrices}
+    fields = {"frame": frame.number, **vars(frame), "fundamental": matrices}
+    del fields["number"]
+    return fields
 
 
 def _suspect_json(one: Outlier, found: Evaluation) -> dict:
@@ -142,17 +143,9 @@ def _left_out_json(found: LeaveOneOut) -> dict | None:
     """Errors by transfer, px rms; None if nothing was predicted."""
     if not found.error_px:
         return None
-    return {
-        "error_px": dict(found.error_px),
-        "rectified_px": None if found.rectified_px is None else dict(found.rectified_px),
-        "rectified_ratio": found.ratio,
-        "rectified_ratio_bound": found.ratio_bound,
-        "predictions": found.predictions,
-        "of_predictions": found.of_predictions,
-        "frames": found.frames,
-        "of_frames": found.of_frames,
-        "sampled": found.sampled,
-    }
+    fields = {f"rectified_{name}" if name in ("ratio", "ratio_bound") else name: of for name, of in vars(found).items()}
+    del fields["rectification"]
+    return fields
 
 
 def _suspect_in_words(suspect: dict, frames: int) -> tuple[str, str, str]:
@@ -166,20 +159,15 @@ def _suspect_in_words(suspect: dict, frames: int) -> tuple[str, str, str]:
     return named, f"misplaced in {where}", f"{suspect['score']:.3g} standard deviations of the others off; {which}"
 
 
-def _left_out_heading(found: LeaveOneOut) -> str:
-    """Of the table below."""
+def _left_out_lines(found: LeaveOneOut) -> Iterator[str]:
+    """A heading, names of the columns, then a row a transfer."""
     predictions, frames = _of(found.predictions, found.of_predictions), _of(found.frames, found.of_frames)
-    sampled = ", evenly spaced" if found.sampled else ""
-    plural = "" if found.of_frames == 1 else "s"
-    return f"leave-one-out error, rms px: {predictions} predictions in {frames} frame{plural}{sampled}"
-
-
-def _left_out_rows(found: LeaveOneOut) -> Iterator[tuple[str, ...]]:
-    """Names of the columns, then a row a transfer."""
+    sampled, plural = ", evenly spaced" if found.sampled else "", "" if found.of_frames == 1 else "s"
+    yield f"leave-one-out error, rms px: {predictions} predictions in {frames} frame{plural}{sampled}"
     columns = [found.error_px] if found.rectified_px is None else [found.error_px, found.rectified_px]
-    yield ("transfer", "images as they are", "rectified")[: 1 + len(columns)]
-    for name in found.error_px:
-        yield name, *(f"{column[name]:.3g}" for column in columns)
+    rows = {name: [f"{column[name]:.3g}" for column in columns] for name in found.error_px}
+    for name, cells in {"transfer": ["images as they are", "rectified"][: len(columns)], **rows}.items():
+        yield f"  {name:<11}" + "".join(f"{cell:>20}" for cell in cells)
 
 
 def _rectification_verdict(found: Evaluation) -> str | None:
@@ -209,7 +197,8 @@ def report_lines(report: Report) -> Iterator[str]:
         yield f"names: {naming_words(named)}"
         if named["accepted"]:
             yield f"  {', '.join(f'{own} = {demo}' for own, demo in named['names'].items() if demo is not None)}"
-            at = posture(named["posture_deg"]) if "posture_deg" in named else _without_unit(named["posture"])
+            bare = ", ".join(f"{angle:.4g}" for angle in named.get("posture", ()))
+            at = posture(named["posture_deg"]) if "posture_deg" in named else f"({bare}) in the unit of --postures"
             yield f"  the demonstrator of frame {named['frame']} is at {at}"
     if misfit := report.of_body.get("misfit"):
         yield f"misfit: {misfit['text']} (frame {misfit['frame']})"
@@ -217,9 +206,7 @@ def report_lines(report: Report) -> Iterator[str]:
     if not found.left_out.error_px:
         yield f"leave-one-out error: none, as no frame has {MIN_POINTS + 1} points that tell a transfer"
     else:
-        yield _left_out_heading(found.left_out)
-        for name, *cells in _left_out_rows(found.left_out):
-            yield f"  {name:<11}" + "".join(f"{cell:>20}" for cell in cells)
+        yield from _left_out_lines(found.left_out)
     if said := _rectification_verdict(found):
         yield f"  {said}"
     suspects = [_suspect_in_words(_suspect_json(one, found), count) for one in found.outliers.found]
@@ -231,10 +218,6 @@ def report_lines(report: Report) -> Iterator[str]:
         yield f"affine fundamental matrices of frame {first.number}: f13 x + f23 y + f31 x' + f32 y' + f33 = 0"
         for pair, f in _matrices(first).items():
             yield f"  {pair:<20}  " + "".join(f"{name} {value:9.4f}  " for name, value in f.items()).rstrip()
-
-
-def _without_unit(angles: Sequence[float]) -> str:
-    return f"({', '.join(f'{angle:.4g}' for angle in angles)}) in the unit of --postures"
 
 
 def _shift_json(shift: TimeShift | None, frames: Sequence[int]) -> dict | None:

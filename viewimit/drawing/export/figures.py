@@ -13,10 +13,10 @@ import importlib.util
 import re
 import textwrap
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from ...assets import ROOT
 from ...estimation.equations import MISSING, Equation
@@ -141,15 +141,6 @@ def as_pdf(picture: str) -> bytes:
     return compile_source(TYPST.encode(), sys_inputs=inputs, font_paths=[str(ROOT / "fonts")], ignore_system_fonts=True)
 
 
-def encode(picture: str, suffix: str, render: Callable[[str], bytes] = as_png) -> bytes:
-    """Encode a standalone SVG as .svg or, by `render`, as .png. Raises ValueError if PNGs cannot be rendered."""
-    if suffix == ".svg":
-        return picture.encode()
-    if not can_render():
-        raise ValueError(NO_PNG)
-    return render(picture)
-
-
 def write(path: Path, picture: str) -> None:
     """Write a standalone SVG as .svg, .png or .pdf. Raises OSError."""
     suffix = path.suffix.lower()
@@ -192,8 +183,8 @@ class Figure:
         letters = round(LETTERS * self.width / WIDTH)
         lines = [(line, "vi-b") for line in textwrap.wrap(f"{self.title}.", letters)]
         lines += [(line, "vi-2nd") for line in textwrap.wrap(f"{citation.conditions}. {citation.software}.", letters)]
-        if citation.repeated_by:
-            wrapped = textwrap.wrap(f"Repeated by: {citation.repeated_by}", letters, break_on_hyphens=False)
+        if citation.command:
+            wrapped = textwrap.wrap(f"Repeated by: {citation.command}", letters, break_on_hyphens=False)
             lines += [(line, "vi-2nd") for line in wrapped]
         caption = "".join(
             svg.text(0, self.height + GAP + LINE * (k + 1), line, kind) for k, (line, kind) in enumerate(lines)
@@ -296,12 +287,6 @@ def can_typeset() -> bool:
     return importlib.util.find_spec(TYPESETTER) is not None
 
 
-def require_typesetter() -> None:
-    """Raise ValueError if equations cannot be typeset."""
-    if not can_typeset():
-        raise ValueError(f"a picture of equations needs {TYPESETTER}: {INSTALL}")
-
-
 def typeset_equations(equations: Sequence[Equation], title: str) -> Figure:
     """Typeset equations below each other, each with its number, title and note. Needs `can_typeset`."""
     parts, y = [], 0.0
@@ -341,39 +326,21 @@ def _typeset(mathml: str, y: float) -> tuple[str, float]:
 # Claims
 
 
-class Claim(Protocol):
-    """One statement of the paper beside the result found here."""
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def paper(self) -> str: ...  # the paper's value
-    @property
-    def here(self) -> str: ...  # the value found here
-    @property
-    def tolerance(self) -> str: ...  # within which they agree
-    @property
-    def holds(self) -> bool | None: ...  # None if this is not judged
-
-
-def draw_claims(claims: Sequence[Claim]) -> str:
-    """Draw a table of claims below an experiment's figure; "" without claims."""
+def draw_claims(claims: Iterable[tuple[str, str, str, str, bool | None]]) -> str:
+    """Draw a table of the paper's claims below an experiment's figure: name, the paper's value, the value found here,
+    the tolerance, and whether it holds, None if this is not judged."""
     parts, y = [_row(HEADS, LINE, "vi-2nd")[0]], LINE
-    for claim in claims:
-        cells = claim.name.split(": ", 1)[-1], claim.paper, claim.here, claim.tolerance, WORDS[claim.holds]
-        drawn, lines = _row(cells, y + LINE + 3, "" if claim.holds is not False else "vi-b")
+    for name, *values, holds in claims:
+        cells = name.split(": ", 1)[-1], *values, WORDS[holds]
+        drawn, lines = _row(cells, y + LINE + 3, "" if holds is not False else "vi-b")
         parts.append(drawn)
         y += LINE * lines + 3
-    box = f"0 0 {WIDTH} {y + 4:g}"
-    return f'<svg class="vi" viewBox="{box}">{"".join(parts)}</svg>' if claims else ""
+    return f'<svg class="vi" viewBox="0 0 {WIDTH} {y + 4:g}">{"".join(parts)}</svg>'
 
 
 def _row(cells: Sequence[str], y: float, kind: str) -> tuple[str, int]:
     """Draw a row of the table, its first line at y px. → the drawing, its number of lines."""
     wrapped = [textwrap.wrap(cell, letters) for cell, (_x, letters) in zip(cells, COLUMNS)]
-    drawn = (
-        svg.text(x, y + LINE * k, line, kind)
-        for lines, (x, _letters) in zip(wrapped, COLUMNS)
-        for k, line in enumerate(lines)
-    )
-    return "".join(drawn), max(map(len, wrapped))
+    placed = [(x, k, line) for lines, (x, _) in zip(wrapped, COLUMNS) for k, line in enumerate(lines)]
+    drawn = "".join(svg.text(x, y + LINE * k, line, kind) for x, k, line in placed)
+    return drawn, max(map(len, wrapped))

@@ -16,6 +16,8 @@ from ...simulation.world import World
 from ..images.planes import Windows, holds, image_windows
 from ..landscape import LandscapePicture
 
+Floats = NDArray[np.float64]
+
 TOO_FEW = "fewer than five points are seen in all four pictures"
 NO_NAMES = "the points have no names yet"
 WIDER = 1.15  # factor by which a posture that leaves the windows is taken to be larger
@@ -34,7 +36,7 @@ class Appearance:
         meshes = link_meshes(world.scene.robot)
         self._silhouettes = Silhouettes({link: mesh.vertices for link, mesh in meshes.items()}, world)
         self._motion = 0  # of the last moment
-        self._shown: dict[str, NDArray[np.float64]] = {}  # (k, 2) px by view, which the windows hold
+        self._shown: dict[str, Floats] = {}  # (k, 2) px by view, which the windows hold
         self._windows: Windows = {}
 
     def of(self, moment: Snapshot) -> tuple[Bodies, Windows]:
@@ -48,11 +50,11 @@ class Appearance:
         self._motion = moment.motion
         return bodies, self._windows
 
-    def _fit(self, shown: dict[str, NDArray[np.float64]], bodies: Bodies) -> None:
+    def _fit(self, shown: dict[str, Floats], bodies: Bodies) -> None:
         self._shown, self._windows = shown, image_windows(shown, bodies.frame)
 
 
-def _widened(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _widened(points: Floats) -> Floats:
     """Return (k, 2) px stretched about their middle, so that a slow motion does not widen the windows at every step."""
     middle = (points.min(0) + points.max(0)) / 2
     return middle + WIDER * (points - middle)

@@ -21,6 +21,8 @@ from ..images.planes import image_points
 from ..theme import ROLES, half_white, rgb
 from .figures import WIDTH, Figure
 
+Floats = NDArray[np.float64]
+
 SUN = np.array([-2.0, -3.0, 5.0]) / np.sqrt(38.0)
 SKY, GROUND = np.array([0.91, 0.90, 1.0]), np.array([0.44, 0.43, 0.49])  # linear light from above and below
 EXPOSURE = 4.0
@@ -38,14 +40,14 @@ _COMPASS = np.stack([np.cos(_TURNS), np.sin(_TURNS)])
 class Viewpoint:
     """From where the scene is seen."""
 
-    position: NDArray[np.float64]  # (3,) m
-    target: NDArray[np.float64]  # (3,) m, in the middle of the picture
+    position: Floats  # (3,) m
+    target: Floats  # (3,) m, in the middle of the picture
     fov: float = float(FOV)  # rad, vertical
     aspect: float = ASPECT  # width by height
     below: float = 0.0  # share of the height that is cut off at the bottom
 
     @property
-    def axes(self) -> NDArray[np.float64]:
+    def axes(self) -> Floats:
         """Right, down and forward, (3, 3) in rows."""
         forward = self.target - self.position
         forward = forward / np.linalg.norm(forward)
@@ -53,7 +55,7 @@ class Viewpoint:
         right /= max(float(np.linalg.norm(right)), 1e-9)
         return np.stack([right, np.cross(forward, right), forward])
 
-    def see(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def see(self, points: Floats) -> tuple[Floats, Floats]:
         """Project points, (..., 3) m. → px of the drawing, (..., 2); depth, (...) m."""
         seen = (points - self.position) @ self.axes.T
         depth = np.maximum(seen[..., 2], NEAR)
@@ -115,21 +117,21 @@ def draw_space(
 
 
 def _links(
-    world: World, frames: dict[str, NDArray[np.float64]]
-) -> Iterator[tuple[NDArray[np.float64], NDArray[np.integer], tuple[int, int, int]]]:
+    world: World, frames: dict[str, Floats]
+) -> Iterator[tuple[Floats, NDArray[np.integer], tuple[int, int, int]]]:
     for arm, T_world_links in frames.items():
         for link, mesh in link_meshes(world.scene.robot).items():
             T = T_world_links[link]
             yield np.asarray(mesh.vertices) @ T[:3, :3].T + T[:3, 3], np.asarray(mesh.faces), half_white(arm)
 
 
-def _standing(world: World) -> Iterator[tuple[NDArray[np.float64], NDArray[np.integer], tuple[int, int, int]]]:
+def _standing(world: World) -> Iterator[tuple[Floats, NDArray[np.integer], tuple[int, int, int]]]:
     for solid in scene_geometry.solids(world):
         yield solid.vertices @ solid.turn.T + solid.position, solid.faces, LOOK._asdict()[solid.colour]
 
 
 def _faces(
-    viewpoint: Viewpoint, vertices: NDArray[np.float64], faces: NDArray[np.integer], colour: tuple[int, int, int]
+    viewpoint: Viewpoint, vertices: Floats, faces: NDArray[np.integer], colour: tuple[int, int, int]
 ) -> Iterator[Item]:
     """Draw the faces that are turned to the viewer, shaded. colour: 0 … 255."""
     places, depth = viewpoint.see(vertices)
@@ -146,7 +148,7 @@ def _faces(
         yield Item(float(far), f'<path fill="{tint}" stroke="{tint}" d="{d}"/>')
 
 
-def _outline(viewpoint: Viewpoint, vertices: NDArray[np.float64], colour: tuple[int, int, int]) -> Iterator[Item]:
+def _outline(viewpoint: Viewpoint, vertices: Floats, colour: tuple[int, int, int]) -> Iterator[Item]:
     """Draw the outline of a nearly convex body, lit from the side. colour: 0 … 255."""
     places, depth = viewpoint.see(vertices)
     if (depth > NEAR).all():
@@ -159,7 +161,7 @@ def _outline(viewpoint: Viewpoint, vertices: NDArray[np.float64], colour: tuple[
         yield Item(float(depth.mean()), f'<path {look} d="{svg.path(corners)}z"/>')
 
 
-def _shaded(normals: NDArray[np.float64], colour: tuple[int, int, int]) -> NDArray[np.float64]:
+def _shaded(normals: Floats, colour: tuple[int, int, int]) -> Floats:
     """Shade matt faces with these normals, (k, 3), under sky and sun. → (k, 3), 0 … 255."""
     up = 0.5 + 0.5 * normals[:, 2:]
     sky = (GROUND + (SKY - GROUND) * up) * LOOK.sky
@@ -169,12 +171,7 @@ def _shaded(normals: NDArray[np.float64], colour: tuple[int, int, int]) -> NDArr
 
 
 def _points(
-    world: World,
-    moment: Snapshot,
-    viewpoint: Viewpoint,
-    points: dict[str, NDArray[np.float64]],
-    rays: bool,
-    truth: bool,
+    world: World, moment: Snapshot, viewpoint: Viewpoint, points: dict[str, Floats], rays: bool, truth: bool
 ) -> Iterator[Item]:
     """Draw body points, recovered points with residuals, and frusta with their image points."""
     size = world.scene.size
@@ -199,11 +196,7 @@ def _points(
 
 
 def _mark(
-    viewpoint: Viewpoint,
-    place: NDArray[np.float64],
-    radius: float,
-    shape: Callable[[NDArray[np.float64], float], str],
-    role: str,
+    viewpoint: Viewpoint, place: Floats, radius: float, shape: Callable[[Floats, float], str], role: str
 ) -> Iterator[Item]:
     at, depth = viewpoint.see(place)
     if depth > NEAR:
@@ -213,12 +206,7 @@ def _mark(
 
 
 def _line(
-    viewpoint: Viewpoint,
-    start: NDArray[np.float64],
-    end: NDArray[np.float64],
-    role: str,
-    width: float,
-    opacity: float = 1,
+    viewpoint: Viewpoint, start: Floats, end: Floats, role: str, width: float, opacity: float = 1
 ) -> Iterator[Item]:
     places, depth = viewpoint.see(np.stack([start, end]))
     if (depth > NEAR).all():
@@ -226,7 +214,7 @@ def _line(
         yield Item(float(depth.min()), f'<path {look} d="{svg.segments(places[:1], places[1:])}"/>')
 
 
-def _hull_shadow(viewpoint: Viewpoint, vertices: NDArray[np.float64]) -> str:
+def _hull_shadow(viewpoint: Viewpoint, vertices: Floats) -> str:
     """Draw the shadow of a nearly convex body on the floor."""
     ground = _cast(vertices)
     outline = ground[(ground @ _COMPASS).argmax(0)]
@@ -234,7 +222,7 @@ def _hull_shadow(viewpoint: Viewpoint, vertices: NDArray[np.float64]) -> str:
     return f'<path d="{svg.path(places)}z"/>' if (depth > NEAR).all() else ""
 
 
-def _shadow(viewpoint: Viewpoint, vertices: NDArray[np.float64], faces: NDArray[np.integer]) -> str:
+def _shadow(viewpoint: Viewpoint, vertices: Floats, faces: NDArray[np.integer]) -> str:
     """Draw the shadow of any body on the floor, face by face, with one orientation, so that overlaps stay filled."""
     corners = _cast(vertices)[faces]
     (ax, ay), (bx, by) = (corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T
@@ -245,7 +233,7 @@ def _shadow(viewpoint: Viewpoint, vertices: NDArray[np.float64], faces: NDArray[
     return f'<path d="{"".join(TRIANGLE.format(*triangle) for triangle in seen)}"/>'
 
 
-def _cast(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
+def _cast(vertices: Floats) -> Floats:
     """Cast points, (V, 3) m, along the sunlight on the floor, (V, 2) m."""
     return vertices[:, :2] - vertices[:, 2:] * (SUN[:2] / SUN[2])
 

@@ -22,6 +22,8 @@ from ..theme import HEAD, OBSERVED, RECOVERED, RING
 from . import planes
 from .planes import SIZES, Window, Windows, describe_construction, draw_construction, is_shown
 
+Floats = NDArray[np.float64]
+
 GAINS = (10, 5, 2)
 READOUT_UP = 8  # px from the bottom of L and R
 READOUT_LETTER = 5.7  # px, width of a letter of the readout
@@ -126,7 +128,7 @@ def _ghosts(bodies: Bodies, windows: Windows, whole: bool) -> dict[str, str]:
     return kept[1]
 
 
-def arrow_gain(lengths: NDArray[np.float64]) -> float:
+def arrow_gain(lengths: Floats) -> float:
     """Choose how many times longer residuals of these lengths, px, are drawn: 1, 2, 5 or 10."""
     largest = lengths.max(initial=0.0)
     if lengths.size == 0 or largest >= SMALL:
@@ -148,7 +150,7 @@ def _arms(bodies: Bodies, windows: Windows, whole: bool) -> dict[str, str]:
     return drawn
 
 
-def _seen_marks(snapshot: Snapshot, points: NDArray[np.float64]) -> dict[str, str]:
+def _seen_marks(snapshot: Snapshot, points: Floats) -> dict[str, str]:
     """Draw the demonstrator's points in l and r; those not visible in all four images are faint."""
     used, drawn = points[:, snapshot.usable], {}
     for k, view in enumerate("lr"):
@@ -163,9 +165,7 @@ def _observed(points: bytes) -> str:
     return svg.diamonds(np.frombuffer(points).reshape(-1, 2), OBSERVED)
 
 
-def _own_marks(
-    snapshot: Snapshot, points: NDArray[np.float64], windows: dict[str, Window], gain: float
-) -> dict[str, str]:
+def _own_marks(snapshot: Snapshot, points: Floats, windows: dict[str, Window], gain: float) -> dict[str, str]:
     """Draw own points, recovered points, and residuals from recovered to own points, in L and R."""
     own, known = points[:, snapshot.usable], snapshot.transfer is not None
     numbers = _with_residuals(snapshot, own, windows["L"].scale, gain) if known else own.reshape(2, -1)
@@ -175,7 +175,7 @@ def _own_marks(
     return drawn
 
 
-def _with_residuals(snapshot: Snapshot, own: NDArray[np.float64], scale: float, gain: float) -> NDArray[np.float64]:
+def _with_residuals(snapshot: Snapshot, own: Floats, scale: float, gain: float) -> Floats:
     """Return the numbers that fill `_marks_template`, (2, 14 k) px, in L and in R. own: (2, k, 2) px."""
     e = snapshot.e.reshape(-1, 2, 2).transpose(1, 0, 2)[:, snapshot.usable] * scale  # (L R, k, 2)
     recovered = own - e
@@ -197,7 +197,7 @@ def _marks_template(count: int, known: bool) -> str:
     return f"{form}|{form}"
 
 
-def _partly_visible(snapshot: Snapshot, pair: str) -> list[tuple[int, NDArray[np.float64]]]:
+def _partly_visible(snapshot: Snapshot, pair: str) -> list[tuple[int, Floats]]:
     """List the views of a pair with points that are not visible in all views, and which points these are, (N,) bool."""
     if snapshot.views.complete:
         return []
@@ -205,7 +205,7 @@ def _partly_visible(snapshot: Snapshot, pair: str) -> list[tuple[int, NDArray[np
     return [(k, idle[view]) for k, view in enumerate(map(VIEWS.index, pair)) if idle[view].any()]
 
 
-def _rings(snapshot: Snapshot, points: NDArray[np.float64], chosen: int) -> list[str]:
+def _rings(snapshot: Snapshot, points: Floats, chosen: int) -> list[str]:
     """Draw the ring in l, r, L, R; "" where the chosen point is not visible. points: (4, N, 2) px."""
     return [
         f'<circle class="vi-ring" cx="{x:.1f}" cy="{y:.1f}" r="{RING:g}"/>' if seen else ""
@@ -238,14 +238,9 @@ def _epipolar_lines(
         if seen[source] and (stage is None or k > 1 >= source and is_shown(stage, True, ("left", "right")[source])):
             view = "lrLR"[k]
             if d := _chord(line, windows[view]):
-                drawn[view] += f'<path class="vi-line{_line_style(source, k)}" d="{d}"/>'
+                style = " vi-partner" if source // 2 == k // 2 else " vi-from-right" if source % 2 else ""
+                drawn[view] += f'<path class="vi-line{style}" d="{d}"/>'
     return drawn
-
-
-def _line_style(source: int, into: int) -> str:
-    if source // 2 == into // 2:
-        return " vi-partner"
-    return " vi-from-right" if source % 2 else ""
 
 
 def _chord(line: list[float], window: Window) -> str:
@@ -271,28 +266,22 @@ def _chord(line: list[float], window: Window) -> str:
 # Legend and metrics
 
 
-class LegendEntry(NamedTuple):
-    """A mark and its meaning."""
-
-    mark: str  # SVG around (10, 0)
-    words: str
-    left: float  # px of the mark's left edge
-    width: float  # px
+LegendEntry = tuple[str, str, float, float]  # mark, SVG around (10, 0); words; px of its left edge, and its width
 
 
 def _legend_entries(gain: float, crossed: bool, goal: bool) -> list[LegendEntry]:
     """List all marks but those of the chosen point. crossed: whether the construction has epipolar lines, or steps."""
     arrow = "residual e" if gain == 1 else f"residual e, ×{gain:g}"
     diamond = lambda r: f"M10-{r}l{r} {r}-{r} {r}-{r}-{r}z"
-    entries = [
-        LegendEntry('<path class="vi-own" d="M10 0h0"/>', "own point", 5, 10),
-        LegendEntry(f'<path class="vi-found" d="{diamond(RECOVERED)}"/>', PUT_BY[crossed], 5, 10),
-        LegendEntry('<path class="vi-e" d="M1 0H16"/><path class="vi-tip" d="M20 0l-4.6 1.9v-3.8z"/>', arrow, 0, 21),
+    entries: list[LegendEntry] = [
+        ('<path class="vi-own" d="M10 0h0"/>', "own point", 5, 10),
+        (f'<path class="vi-found" d="{diamond(RECOVERED)}"/>', PUT_BY[crossed], 5, 10),
+        ('<path class="vi-e" d="M1 0H16"/><path class="vi-tip" d="M20 0l-4.6 1.9v-3.8z"/>', arrow, 0, 21),
     ]
     if goal:
         ghost = '<rect class="vi-goal" x="3.5" y="-5.5" width="13" height="11" rx="4"/>'
         ring = f'<circle class="vi-goal-ring" cx="10" cy="0" r="{GOAL_DOT}"/>'
-        entries.append(LegendEntry(f'<g class="vi-ghost">{ghost}{ring}</g>', "goal", 3, 14))
+        entries.append((f'<g class="vi-ghost">{ghost}{ring}</g>', "goal", 3, 14))
     return entries
 
 
@@ -311,11 +300,11 @@ def draw_legend(gain: float, chosen: int | None, crossed: bool, goal: bool) -> s
     """Draw the legend in two rows, for print."""
     entries = _legend_entries(gain, crossed, goal)
     if chosen is not None:
-        entries.append(LegendEntry('<circle class="vi-ring" cx="10" cy="0" r="5"/>', f"point {chosen}, its", 3, 14))
+        entries.append(('<circle class="vi-ring" cx="10" cy="0" r="5"/>', f"point {chosen}, its", 3, 14))
     if chosen is not None and crossed:
-        entries += [LegendEntry(planes.line_sample(kind), words, 0, 20) for kind, words in planes.LINE_NAMES.items()]
+        entries += [(planes.line_sample(kind), words, 0, 20) for kind, words in planes.LINE_NAMES.items()]
     elif chosen is not None:
-        entries.append(LegendEntry(planes.STEPS_SAMPLE, "steps to it", 0, 20))
+        entries.append((planes.STEPS_SAMPLE, "steps to it", 0, 20))
     (width, height), parts = LEGEND_SIZE, []
     for i, (mark, words, *__) in enumerate(entries):
         label = f'<text class="vi-2nd" x="25" y="4">{words}</text>'
@@ -324,7 +313,7 @@ def draw_legend(gain: float, chosen: int | None, crossed: bool, goal: bool) -> s
     return f'<svg class="vi vi-legend" viewBox="0 0 {width} {height}">{"".join(parts)}</svg>'
 
 
-def residual_lengths(snapshot: Snapshot) -> NDArray[np.float64]:
+def residual_lengths(snapshot: Snapshot) -> Floats:
     """Return |e| of the used points in L and in R, (k, 2) px; k is 0 without a transfer."""
     if snapshot.transfer is None:
         return np.empty((0, 2))
@@ -348,7 +337,7 @@ def metrics_of(snapshot: Snapshot) -> tuple[Metric, ...]:
     return _metrics(snapshot, residual_lengths(snapshot))
 
 
-def _metrics(snapshot: Snapshot, lengths: NDArray[np.float64]) -> tuple[Metric, ...]:
+def _metrics(snapshot: Snapshot, lengths: Floats) -> tuple[Metric, ...]:
     """lengths: from `residual_lengths`."""
     known = lengths.size > 0
     mean, largest, where = np.nan, np.nan, "{value}"

@@ -21,6 +21,8 @@ from ...simulation.appearance import ArmImages
 from .. import svg
 from ..theme import RECOVERED
 
+Floats = NDArray[np.float64]
+
 # width and height of each view's drawing, px, by whether whole frames are shown; two of l are as high as one of L
 SIZES = {
     False: {"l": (80, 117), "r": (80, 117), "L": (150, 240), "R": (150, 240)},
@@ -45,7 +47,7 @@ class Window(NamedTuple):
 Windows = dict[bool, dict[str, Window]]
 
 
-def image_windows(reach: Mapping[str, NDArray[np.float64]], frame: tuple[int, int]) -> Windows:
+def image_windows(reach: Mapping[str, Floats], frame: tuple[int, int]) -> Windows:
     """Choose the windows of the four views, by whether whole frames are shown. reach: where points can be, (k, 2) px by
     view; frame: width and height of the images, px."""
     windows: Windows = {False: {}, True: {}}
@@ -66,7 +68,7 @@ def image_windows(reach: Mapping[str, NDArray[np.float64]], frame: tuple[int, in
     return windows
 
 
-def holds(windows: Windows, points: Mapping[str, NDArray[np.float64]]) -> bool:
+def holds(windows: Windows, points: Mapping[str, Floats]) -> bool:
     """Say whether the windows show all these points, (k, 2) px by view."""
     for view, seen in points.items():
         x, y, w, h = windows[False][view][:4]
@@ -76,15 +78,13 @@ def holds(windows: Windows, points: Mapping[str, NDArray[np.float64]]) -> bool:
     return True
 
 
-def _span(
-    points: NDArray[np.float64], frame: tuple[int, int], whole: bool
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _span(points: Floats, frame: tuple[int, int], whole: bool) -> tuple[Floats, Floats]:
     if whole or len(points) == 0:
         return np.zeros(2), np.array(frame, float)
     return points.min(0), points.max(0)
 
 
-def _free_corners(places: dict[str, NDArray[np.float64]]) -> tuple[bool, bool]:
+def _free_corners(places: dict[str, Floats]) -> tuple[bool, bool]:
     """Say whether a pair's locator and readout are left. places: points, (k, 2), 0 … 1 over each window."""
     x, y = np.concatenate(list(places.values())).T
     share = lambda where: np.count_nonzero(where) / len(x)
@@ -95,12 +95,12 @@ def _free_corners(places: dict[str, NDArray[np.float64]]) -> tuple[bool, bool]:
     )
 
 
-def image_points(views: FourViews) -> NDArray[np.float64]:
+def image_points(views: FourViews) -> Floats:
     """Return all points by view, in the order lrLR, (4, N, 2) px."""
     return np.concatenate([views.demo, views.own], 1).reshape(-1, 4, 2).swapaxes(0, 1)
 
 
-def placed(images: NDArray[np.float64], windows: Mapping[str, Window], views: str) -> NDArray[np.float64]:
+def placed(images: Floats, windows: Mapping[str, Window], views: str) -> Floats:
     """Convert points of images, (views, ..., 2) px, to px of each view's drawing."""
     corner, scale = _corners_and_scales(tuple([windows[view] for view in views]))
     shape = (len(views),) + (1,) * (images.ndim - 2)
@@ -108,7 +108,7 @@ def placed(images: NDArray[np.float64], windows: Mapping[str, Window], views: st
 
 
 @lru_cache(64)
-def _corners_and_scales(windows: tuple[Window, ...]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _corners_and_scales(windows: tuple[Window, ...]) -> tuple[Floats, Floats]:
     return np.array([window[:2] for window in windows]), np.array([window.scale for window in windows])
 
 
@@ -225,7 +225,7 @@ def describe_construction(construction: Construction | None, point: int, stage: 
 
 
 def draw_construction(
-    construction: Construction, windows: dict[str, Window], stage: int | None, own: NDArray[np.float64], gain: float
+    construction: Construction, windows: dict[str, Window], stage: int | None, own: Floats, gain: float
 ) -> dict[str, str]:
     """Draw the construction by view.
 
@@ -254,7 +254,7 @@ def draw_construction(
     return drawn
 
 
-def _ellipse(centre: NDArray[np.float64], half_axes: NDArray[np.float64], direction: float, scale: float) -> str:
+def _ellipse(centre: Floats, half_axes: Floats, direction: float, scale: float) -> str:
     """Draw an ellipse. centre: (2,) px of the drawing; half_axes: (2,) px of the image; direction: rad."""
     turn = f"translate({centre[0]:.1f} {centre[1]:.1f})rotate({np.degrees(direction):.1f})"
     long, short = np.minimum(scale * half_axes, MAX_HALF_AXIS).tolist()

@@ -13,6 +13,8 @@ from .. import svg
 from ..theme import OBSERVED
 from .panel import draw_metrics, metrics_of, write_metrics
 
+Floats = NDArray[np.float64]
+
 SIZE = (424, 256)  # px of the drawing
 IMAGE = (96, 96)  # px of an image
 LEFTS = (0, 226)  # px of the pairs as seen, and as rectified
@@ -47,14 +49,12 @@ def draw_rectified(snapshot: Snapshot, bodies: Bodies, print_size: bool = False)
     return f'<div class="vi-panel">{drawing}{metrics}</div>'
 
 
-def row_distance(images: NDArray[np.float64]) -> float:
+def row_distance(images: Floats) -> float:
     """Return the rms difference between the rows of matches, (N, 4) px; NaN without any."""
     return float(np.sqrt(np.mean((images[:, 3] - images[:, 1]) ** 2))) if len(images) else np.nan
 
 
-def _pair(
-    left: float, top: float, names: str, images: NDArray[np.float64], arm: ArmImages, by: Rectification | None
-) -> str:
+def _pair(left: float, top: float, names: str, images: Floats, arm: ArmImages, by: Rectification | None) -> str:
     """Draw both images of a pair, (N, 4) px, with one scale, at one height. by: rectification, None for none."""
     both = lambda found: found if by is None else by.apply(found)
     images = both(images)
@@ -82,9 +82,7 @@ def _pair(
     return "".join(drawn) + svg.text(left, top + IMAGE[1] + 16, words)
 
 
-def _image(
-    x: float, y: float, name: str, points: NDArray[np.float64], hulls: NDArray[np.float64], bones: NDArray[np.float64]
-) -> str:
+def _image(x: float, y: float, name: str, points: Floats, hulls: Floats, bones: Floats) -> str:
     """Draw one image. points: (N, 2), hulls: (links, corners, 2), bones: (k, 2), px of its box."""
     demo = name in "lr"
     arm = f'<path class="vi-hull" d="{svg.polygons(hulls[None])[0]}"/><path class="vi-bone" d="{svg.path(bones)}"/>'

@@ -10,6 +10,8 @@ from ..labels import Labels
 from ..plots import Axes, linear_ticks
 from ..theme import HEAD, RECOVERED
 
+Floats = NDArray[np.float64]
+
 WIDTH, HEIGHT = 420, 330  # px of one view
 LEFT, TOP, RIGHT, BOTTOM = 44, 24, 8, 24  # px around its plot
 MARGIN = 0.08  # around the points, in units of their extent
@@ -19,7 +21,7 @@ TITLES = {**DEMO, "own_left": "[L] learner", "own_right": "[R] learner"}  # by t
 LEGEND = 26  # px of the heading above four views, and of the legend below
 
 
-def draw_view(view: str, seen: NDArray[np.float64], recovered: NDArray[np.float64] | None, names: Sequence[str]) -> str:
+def draw_view(view: str, seen: Floats, recovered: Floats | None, names: Sequence[str]) -> str:
     """Draw one view as SVG.
 
     view: its name in files, such as demo_left; seen, recovered: points, (k, 2) px of the image, y downwards; names: of
@@ -28,12 +30,7 @@ def draw_view(view: str, seen: NDArray[np.float64], recovered: NDArray[np.float6
     return f'<svg class="vi" viewBox="0 0 {WIDTH} {HEIGHT}">{_view(view, seen, recovered, names)}</svg>'
 
 
-def draw_views(
-    seen: Mapping[str, NDArray[np.float64]],
-    recovered: Mapping[str, NDArray[np.float64]],
-    names: Sequence[str],
-    heading: str,
-) -> str:
+def draw_views(seen: Mapping[str, Floats], recovered: Mapping[str, Floats], names: Sequence[str], heading: str) -> str:
     """Draw all four views as SVG, two by two, with a heading and a legend; parameters as for `draw_view`."""
     parts = [svg.text(LEFT, 12, heading, "vi-b")]
     for k, view in enumerate(TITLES):
@@ -60,7 +57,7 @@ def legend() -> list[tuple[str, str]]:
     ]
 
 
-def _view(view: str, seen: NDArray[np.float64], recovered: NDArray[np.float64] | None, names: Sequence[str]) -> str:
+def _view(view: str, seen: Floats, recovered: Floats | None, names: Sequence[str]) -> str:
     axes = _axes(seen if recovered is None else np.concatenate([seen, recovered]))
     (left, right), (lower, upper) = axes.x, axes.y
     parts = [axes.frame(TITLES[view], "px", linear_ticks(left, right), linear_ticks(upper, lower))]
@@ -79,7 +76,7 @@ def _view(view: str, seen: NDArray[np.float64], recovered: NDArray[np.float64] |
     return "".join(parts)
 
 
-def _axes(points: NDArray[np.float64]) -> Axes:
+def _axes(points: Floats) -> Axes:
     """Make axes around all points, with one scale for both directions, y downwards."""
     low, high = points.min(0), points.max(0)
     margin = MARGIN * max(*(high - low), 1.0)
@@ -87,7 +84,7 @@ def _axes(points: NDArray[np.float64]) -> Axes:
     w, h = WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM
     half = max((high - low)[0] / w, (high - low)[1] / h) * np.array([w, h]) / 2
     (left, upper), (right, lower) = ((low + high) / 2 - half).tolist(), ((low + high) / 2 + half).tolist()
-    return Axes((LEFT, TOP, WIDTH - RIGHT, HEIGHT - BOTTOM), (left, right), (lower, upper))
+    return Axes(LEFT, TOP, WIDTH - RIGHT, HEIGHT - BOTTOM, (left, right), (lower, upper))
 
 
 def _dot(kind: str, x: float, y: float) -> str:

@@ -226,7 +226,7 @@ def _errors(found: Fig10 | None) -> str:
     for title, unit, left, right, least, values in plots:
         values = {name: np.maximum(errors, MIN_ERROR) for name, errors in values.items()}
         y = decades(np.concatenate([*values.values(), np.empty(0)]), *least)
-        plot = Axes((left, PLOT_TOP, right, PLOT_BOTTOM), (0.0, max(seconds, 1e-3)), y, up=log10)
+        plot = Axes(left, PLOT_TOP, right, PLOT_BOTTOM, (0.0, max(seconds, 1e-3)), y, up=log10)
         ticks = [(time, f"{time:g}") for time in (0, float(f"{seconds / 2:.1g}"))]
         parts.append(plot.frame(title, f"{unit}, log", ticks, decade_ticks(*y, 3)))
         parts.append(svg.text(right, PLOT_BOTTOM + 13, f"{seconds:.3g} s", "vi-2nd vi-end"))

@@ -253,7 +253,7 @@ def _biases(scene: Scene, found: Fig7 | None) -> str:
     most = float(np.ceil(max([MIN_BIAS_DEG, *largest, *np.abs(here).ravel()])))
     left, top, right, bottom = BIAS_BOX
     wide = most * (right - left) / (bottom - top)
-    plot = Axes(BIAS_BOX, (-wide, wide), (-most, most))
+    plot = Axes(*BIAS_BOX, (-wide, wide), (-most, most))
     shown = 5.0 * max(1, most // 10)
     ticks = [(angle, svg.number(angle, 0) + "°") for angle in (-shown, 0, shown)]
     parts = [plot.frame("Minimum − demonstrator", "", ticks, ticks, TITLE_OUTDENT)]
@@ -276,7 +276,7 @@ def _validity(found: Fig7 | None) -> str:
     curves = {name: each.convexity for name, each in found.surfaces.items() if each.convexity} if found else {}
     worst = np.concatenate([*(100 * curved.worst for curved in curves.values()), np.empty(0)])
     x, y = (float(RADII_DEG[0]), float(RADII_DEG[-1])), (decades(worst, *PERCENT)[0], np.nanmax([*worst, PERCENT[1]]))
-    plot = Axes(VALIDITY_BOX, x, y, log10, log10)
+    plot = Axes(*VALIDITY_BOX, x, y, log10, log10)
     ticks = [(value, f"{words} %") for value, words in decade_ticks(*y, 3)]
     degrees = [(radius, f"{radius}°") for radius in (1, 3, 10, 30)]
     parts = [plot.frame("E − δθᵀQδθ, relative", "", degrees, ticks, TITLE_OUTDENT)]

@@ -216,8 +216,8 @@ def _plots(scene: Scene, found: Fig9 | None) -> tuple[Axes, Axes]:
         E = np.maximum(np.append(E, found.E_demo), MIN_E)
     x = (0.0, float(max(MAX_MOTIONS, *(len(run.E) - 1 for run in (found.runs if found else ())), 0)))
     return (
-        Axes((LEFT, ANGLES[0], RIGHT, ANGLES[1]), x, (float(low), float(high)), np.log1p),
-        Axes((LEFT, CONFLICT[0], RIGHT, CONFLICT[1]), x, decades(E, *E_RANGE), np.log1p, log10),
+        Axes(LEFT, ANGLES[0], RIGHT, ANGLES[1], x, (float(low), float(high)), np.log1p),
+        Axes(LEFT, CONFLICT[0], RIGHT, CONFLICT[1], x, decades(E, *E_RANGE), np.log1p, log10),
     )
 
 

@@ -13,7 +13,6 @@ import zipfile
 import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -67,14 +66,9 @@ def read_arrays(path: Path) -> Track:
     unread = [name for name in found if name not in (key, *NAMES, *about, numbers, *units)]
     points = tuple(map(as_text, range(N) if names is None else names.tolist()))
     order = np.argsort(frames, kind="stable")
-    track = Track(frames[order], points, tracks[order].astype(float), np.zeros((T, N)))
-    track = replace(track, unread=name_unread("array", unread))
-    seen: dict[Meaning, NDArray[np.float64]] = {}
-    for name in about:
-        meaning = meaning_of(name)
-        values = _about_points(path, name, found[name], given, points_first)[order]
-        least = np.maximum if meaning is Meaning.HIDDEN else np.minimum
-        seen[meaning] = least(seen[meaning], values) if meaning in seen else values
+    image, unread_words = tracks[order].astype(float), name_unread("array", unread)
+    track = Track(frames[order], points, image, np.zeros((T, N)), unread=unread_words)
+    seen = [(meaning_of(one), _about_points(path, one, found[one], given, points_first)[order]) for one in about]
     return with_seen(str(path), track, seen)
 
 

@@ -21,7 +21,7 @@ import json
 import pickle
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import islice
+from itertools import islice, zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -30,9 +30,9 @@ from numpy.typing import NDArray
 
 from .arrays import as_text, read_dataset
 from .columns import SEEN, Meaning, as_numbers, meaning_of, name_unread, refuse
-from .numbering import FrameLabels
+from .numbering import DIGITS, FrameLabels
 from .text import Table
-from .track import CERTAIN, Rows, Track, choose_individual, least_seen, require_cells, with_seen
+from .track import CERTAIN, Rows, Track, choose_individual, require_cells, with_seen
 
 LEVELS = ("scorer", "individuals", "bodyparts", "coords")  # the first two may be missing
 Heading = tuple[str, str, str]  # individual ("" if there is one), body part, coordinate
@@ -61,7 +61,7 @@ def read_deeplabcut_csv(path: Path, individual: str | None) -> Track:
     labels, frames, numbers = FrameLabels(), list[int](), list[list[float]]()
     for line, cells in lines:
         cells = table.filled(line, cells, len(parts))
-        if not frames and not any(map(str.strip, cells[first:])) and not _is_frame(cells[first - 1]):
+        if not frames and not any(map(str.strip, cells[first:])) and not DIGITS.search(cells[first - 1]):
             continue  # the name of pandas' index
         frames.append(table.frame(labels, line, "1", cells[first - 1]))
         numbers.append(
@@ -74,14 +74,6 @@ def read_deeplabcut_csv(path: Path, individual: str | None) -> Track:
 def _trimmed(heading: Heading) -> Heading:
     individual, part, coordinate = (name.strip() for name in heading)
     return individual, part, coordinate
-
-
-def _is_frame(text: str) -> bool:
-    try:
-        FrameLabels().add(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _cell(table: Table, line: int, column: int, heading: Heading, text: str) -> float:
@@ -126,20 +118,15 @@ def track_of(
             "named with the number of the frame"
         )
     image = np.stack([values[:, [found[Meaning.X][0], found[Meaning.Y][0]]] for found in columns.values()], 1)
-    seen = {}
-    for meaning in (meaning for meaning in SEEN if any(meaning in found for found in columns.values())):
-        cells = [_least(meaning, values[:, found.get(meaning, [])]) for found in columns.values()]
-        seen[meaning] = np.stack(cells, 1)[order]
+    known = [np.where(np.isnan(column), np.inf, column) for column in values.T]
+    unknown = np.full(len(values), np.inf)
+    seen = [
+        (meaning, np.stack([unknown if k is None else known[k] for k in of], 1)[order])
+        for meaning in SEEN
+        for of in zip_longest(*(found.get(meaning, []) for found in columns.values()))
+    ]
     track = Track(numbers[order], tuple(columns), image[order], np.zeros(image.shape[:2]), unread=unread)
     return with_seen(where, track, seen)
-
-
-def _least(meaning: Meaning, values: NDArray[Any]) -> NDArray[np.float64]:
-    """Of columns of one meaning, (T, columns), what says least that a point is seen; inf, not known, for NaN."""
-    if meaning is Meaning.HIDDEN:
-        least = np.where(np.isnan(values), -np.inf, values).max(1, initial=-np.inf)
-        return np.where(least == -np.inf, np.inf, least)
-    return np.where(np.isnan(values), np.inf, values).min(1, initial=np.inf)
 
 
 def _body_parts(where: str, headings: Sequence[Heading]) -> tuple[dict[tuple[str, str], dict[Meaning, list[int]]], str]:
@@ -289,23 +276,19 @@ def read_sleap_csv(path: Path, individual: str | None) -> Track:
     read = [(line, table.filled(line, cells, len(heading))) for line, cells in lines]
     tracks = [cells[at[TRACK]].strip() if TRACK in at else "" for _, cells in read]
     chosen = choose_individual(str(path), list(dict.fromkeys(filter(None, tracks))), individual)
-    labels, meanings = (
-        FrameLabels(),
-        [one for one in SEEN if any(one is of for found in about.values() for _, of in found)],
-    )
-    rows = Rows(labels, meanings)
+    endings = dict.fromkeys(heading[k][len(node) :] for node, found in about.items() for k, one in found if one in SEEN)
+    rows = Rows(FrameLabels(), [meaning_of(ending) for ending in endings])
     for (line, cells), track in zip(read, tracks):
         if track != chosen:
             continue
-        frame = table.frame(labels, line, FRAME, cells[at[FRAME]])
+        frame = table.frame(rows.labels, line, FRAME, cells[at[FRAME]])
         for node in nodes:
             x, y = (table.number(line, node + axis, cells[at[node + axis]], np.nan) for axis in (X, Y))
-            says = [(one, table.seen(line, heading[k], one, cells[k])) for k, one in about[node] if one in SEEN]
+            names = [node + ending for ending in endings]
+            says = [table.seen(line, one, meaning_of(one[len(node) :]), cells[at[one]]) if one in at else np.inf
+                    for one in names]  # fmt: skip
             if np.isfinite((x, y)).all():
-                rows.add(
-                    line, frame, node, x, y,
-                    {one: least_seen(one, [value for of, value in says if of is one]) for one in meanings},
-                )  # fmt: skip
+                rows.add(line, frame, node, x, y, says)
     try:
         rows.require_once(str(path))
     except ValueError as error:
@@ -317,8 +300,11 @@ def read_sleap_analysis(path: Path, file: Any, individual: str | None) -> Track:
     """Read exported arrays. Raises ValueError that names the file, and KeyError for a missing part."""
     dims = _dims(path, file["tracks"])
     tracks = read_dataset(file["tracks"]).transpose([dims.index(name) for name in ("track", "frame", "node", "xy")])
-    nodes = _names(file, "node_names") or list(map(str, range(tracks.shape[2])))
-    names = _names(file, "track_names")
+    nodes, names = (
+        [as_text(one) for one in read_dataset(file[key])] if key in file else []
+        for key in ("node_names", "track_names")
+    )
+    nodes = nodes or list(map(str, range(tracks.shape[2])))
     names = names or [f"track_{k}" for k in range(len(tracks))]
     if tracks.shape[-1] != 2 or len(nodes) != tracks.shape[2] or len(names) != len(tracks):
         raise ValueError(
@@ -330,19 +316,13 @@ def read_sleap_analysis(path: Path, file: Any, individual: str | None) -> Track:
     flat = [name for name in dims if name != "xy"]
     order = [flat.index(name) for name in ("track", "frame", "node")]
     about = [key for key in file if meaning_of(key) in SEEN and file[key].ndim == len(order)]
-    seen: dict[Meaning, NDArray[np.float64]] = {}
+    seen = []
     for key in about:
         values = as_numbers(f"{path}: {key}", meaning_of(key), read_dataset(file[key]).transpose(order)[k])
-        both = np.stack([values, seen.get(meaning_of(key), values)], -1)
-        seen[meaning_of(key)] = _least(meaning_of(key), both.reshape(-1, 2)).reshape(values.shape)
+        seen.append((meaning_of(key), np.where(np.isnan(values), np.inf, values)))
     frames, image = np.arange(tracks.shape[1], dtype=np.uint64), tracks[k].astype(float)
     unread = name_unread("array", [key for key in file if key not in (*ANALYSIS, *about)])
     return with_seen(str(path), Track(frames, tuple(nodes), image, np.zeros(image.shape[:2]), unread=unread), seen)
-
-
-def _names(file: Any, key: str) -> list[str]:
-    """The list of that name, empty without one."""
-    return [as_text(name) for name in read_dataset(file[key])] if key in file else []
 
 
 def _dims(path: Path, tracks: Any) -> tuple[str, ...]:
@@ -386,14 +366,7 @@ def read_slp(path: Path, file: Any, individual: str | None) -> Track:
                 who = f"two instances of track {chosen}" if chosen else "two instances without a track"
                 raise ValueError(f"{path}: frame {numbers[t]} has {who}; track them in SLEAP first")
             kinds[t] = kind
-            image[t], confidence[t] = _instance_points(
-                points[kind][int(one["point_id_start"]) : int(one["point_id_end"])]
-            )
+            own = points[kind][int(one["point_id_start"]) : int(one["point_id_end"])]
+            image[t] = np.where(own["visible"][:, None], np.stack([own["x"], own["y"]], -1), np.nan)
+            confidence[t] = own["score"] if "score" in (own.dtype.names or ()) else CERTAIN
     return Track(numbers, tuple(nodes), image, confidence)
-
-
-def _instance_points(points: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Points of one instance, (nodes, 2) px, NaN if not visible, and their scores, (nodes,)."""
-    image = np.stack([points["x"], points["y"]], -1)
-    image[~points["visible"]] = np.nan
-    return image, points["score"] if "score" in (points.dtype.names or ()) else np.full(len(points), CERTAIN)

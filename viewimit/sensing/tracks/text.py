@@ -21,7 +21,7 @@ from ..files import MAX_NAME_CHARS, MEGABYTE, escape, require_file
 from .columns import Columns, Meaning, find_columns, meaning_of, name_unread, require_pixel_unit, word_as_number
 from .names import point_name
 from .numbering import FrameLabels, whole_number
-from .track import MAX_PX, Row, Rows, Track, TrackedPoints, combine_views, least_seen
+from .track import MAX_PX, Row, Rows, Track, TrackedPoints, combine_views
 
 MAX_LINE = 1 << 20  # characters
 MAX_BYTES = 1024 * MEGABYTE  # rows are kept in a few bytes each
@@ -317,17 +317,11 @@ def _columns(path: Path, line: int, heading: list[str], required: Sequence[Meani
     )
 
 
-def _seen(table: Table, line: int, heading: list[str], cells: list[str], columns: Columns) -> dict[Meaning, float]:
+def _seen(table: Table, line: int, heading: list[str], cells: list[str], columns: Columns) -> list[float]:
     """What a row says of whether its point is seen. Raises ValueError for other words, and for a unit but the pixel."""
     for k in columns.units:
         require_pixel_unit(f"{table.path}: line {line}, column {heading[k]}", cells[k])
-    if len(columns.seen) == 1:
-        ((k, meaning),) = columns.seen
-        return {meaning: table.seen(line, heading[k], meaning, cells[k])}
-    found: dict[Meaning, list[float]] = {}
-    for k, meaning in columns.seen:
-        found.setdefault(meaning, []).append(table.seen(line, heading[k], meaning, cells[k]))
-    return {meaning: least_seen(meaning, values) for meaning, values in found.items()}
+    return [table.seen(line, heading[k], meaning, cells[k]) for k, meaning in columns.seen]
 
 
 def _require_names(where: str, read: Mapping[str, Rows]) -> None:

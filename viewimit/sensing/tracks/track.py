@@ -11,11 +11,14 @@ from numpy.typing import NDArray
 
 from ...estimation.views import VIEW_NAMES, VIEWS, FourViews
 from ...geometry.affine import MIN_POINTS
+from ...wording import first_of
 from ..files import MAX_NAME_CHARS, escape
 from ..frames import is_missing_value
 from .columns import Meaning
 from .names import same_names, unmatched_names
 from .numbering import FrameLabels
+
+Floats = NDArray[np.float64]
 
 MAX_PX = 1e6  # of a coordinate: no picture is larger
 MAX_CELLS = 5_000_000  # frames times points
@@ -36,8 +39,8 @@ class Track:
 
     frames: NDArray[np.uint64]  # (T,) numbers, ascending
     points: tuple[str, ...]  # N names
-    image: NDArray[np.float64]  # (T, N, 2) px, NaN if not visible
-    confidence: NDArray[np.float64]  # (T, N)
+    image: Floats  # (T, N, 2) px, NaN if not visible
+    confidence: Floats  # (T, N)
     flag_1: NDArray[np.bool_] | None = None  # (T, N) whether the flag of visibility is 1; None without flags
     coco: bool = False  # whether the flags are COCO's, so that 1 is not visible
     unread: str = ""  # what of the file is not read
@@ -59,7 +62,7 @@ class Track:
             )
         return self
 
-    def above_confidence(self, min_confidence: float) -> NDArray[np.float64]:
+    def above_confidence(self, min_confidence: float) -> Floats:
         """Return the points, (T, N, 2) px, with NaN for those of less confidence."""
         return np.where((self.confidence >= min_confidence)[..., None], self.image, np.nan)
 
@@ -83,8 +86,8 @@ class TrackedPoints:
 
     frames: tuple[int, ...]  # T numbers
     points: tuple[str, ...]  # N names
-    image: dict[str, NDArray[np.float64]]  # by view, (T, N, 2) px, NaN if not visible
-    confidence: dict[str, NDArray[np.float64]]  # by view, (T, N)
+    image: dict[str, Floats]  # by view, (T, N, 2) px, NaN if not visible
+    confidence: dict[str, Floats]  # by view, (T, N)
     names: dict[str, tuple[str, ...]] = field(default_factory=dict)  # by view, those in its file
     notes: tuple[str, ...] = ()  # what is not read, or read otherwise than it stands there
 
@@ -222,15 +225,16 @@ def choose_individual(where: str, individuals: Sequence[str], name: str | None) 
     raise ValueError(f"{where}: nobody is named {name!r}; it has {named}")
 
 
-def with_seen(where: str, track: Track, seen: Mapping[Meaning, NDArray[np.float64]]) -> Track:
+def with_seen(where: str, track: Track, seen: Sequence[tuple[Meaning, Floats]]) -> Track:
     """Return the track with the confidence that all columns about it allow, instead of its own.
 
-    seen: by meaning, the least value of such columns (of HIDDEN: the largest), (T, N). NaN: not seen; inf: not known.
-    Raises ValueError for a value that its column cannot have.
+    seen: meaning and values, (T, N), of each such column. NaN: not seen; inf: not known. Raises ValueError for a value
+    that its column cannot have.
     """
     confidence, flag_1, coco = np.full(track.image.shape[:2], CERTAIN), None, False
     there = np.isfinite(track.image).all(-1)
-    for meaning, values in seen.items():
+    for meaning in dict.fromkeys(one for one, _ in seen):
+        values = _least_seen(meaning, np.stack([column for one, column in seen if one is meaning]))
         known = values[there & np.isfinite(values)]
         flags = meaning is Meaning.VISIBLE and np.isin(known, COCO_FLAGS).all()
         upto = 2.0 if flags else 1.0 if meaning is Meaning.HIDDEN else MAX_CONFIDENCE
@@ -252,10 +256,12 @@ def with_seen(where: str, track: Track, seen: Mapping[Meaning, NDArray[np.float6
     return replace(track, confidence=confidence, flag_1=flag_1, coco=coco)
 
 
-def least_seen(meaning: Meaning, values: Sequence[float]) -> float:
-    """Return the value that says least that a point is seen, of columns of one meaning; inf if none says anything."""
-    known = [value for value in values if value != math.inf] or [math.inf]
-    return math.nan if any(map(math.isnan, known)) else (max if meaning is Meaning.HIDDEN else min)(known)
+def _least_seen(meaning: Meaning, values: Floats) -> Floats:
+    """What says least that a point is seen, of columns of one meaning, (columns, T, N); inf: none does."""
+    if meaning is not Meaning.HIDDEN:
+        return np.asarray(values.min(0))
+    most = np.where(np.isposinf(values), -np.inf, values).max(0)
+    return np.where(np.isneginf(most), np.inf, most)
 
 
 class Rows:
@@ -265,16 +271,16 @@ class Rows:
         self._points: dict[str, int] = {}
         self.labels = labels
         self.frame, self.point, self.line = array("q"), array("l"), array("l")  # frame: index of its label
-        self.xy, self.seen = array("d"), {meaning: array("d") for meaning in dict.fromkeys(seen)}
+        self.xy, self.seen = array("d"), [(meaning, array("d")) for meaning in seen]
 
-    def add(self, line: int, frame: int, point: str, x: float, y: float, seen: Mapping[Meaning, float]) -> None:
-        """Add one row. frame: index of its label; seen: a value for each meaning."""
+    def add(self, line: int, frame: int, point: str, x: float, y: float, seen: Sequence[float]) -> None:
+        """Add one row. frame: index of its label; seen: a value for each column about that."""
         self.frame.append(frame)
         self.point.append(self._points.setdefault(point, len(self._points)))
         self.line.append(line)
         self.xy.extend((x, y))
-        for meaning, values in self.seen.items():
-            values.append(seen[meaning])
+        for (_, values), value in zip(self.seen, seen):
+            values.append(value)
 
     def require_once(self, where: str, view: str = "", hint: str = "") -> None:
         """Raise ValueError with the lines of two rows of the same frame and point."""
@@ -303,13 +309,13 @@ class Rows:
         require_cells(where, len(frames), len(self._points))
         cells = at, np.array(self.point, int)
 
-        def spread(values: "array[float]", missing: float) -> NDArray[np.float64]:
+        def spread(values: "array[float]", missing: float) -> Floats:
             found = np.full((len(frames), len(self._points)), missing)
             found[cells] = np.array(values)
             return found
 
         image = np.stack([spread(self.xy[axis::2], np.nan) for axis in (0, 1)], -1)
-        seen = {meaning: spread(values, 0.0) for meaning, values in self.seen.items()}
+        seen = [(meaning, spread(values, 0.0)) for meaning, values in self.seen]
         return with_seen(where, Track(frames, tuple(self._points), image, np.zeros(image.shape[:2])), seen)
 
     def _frames(self) -> NDArray[np.uint64]:
@@ -360,7 +366,6 @@ def _notes(tracks: Mapping[str, Track], same: Mapping[str, str]) -> tuple[str, .
             f"visible is 0, 1 or 2, as in COCO: {labelled} points of 1 are labelled, but not visible: left out"
         )
     if same:
-        pairs = ", ".join(f"{escape(a, MAX_NAME_CHARS)} = {escape(b, MAX_NAME_CHARS)}" for a, b in [*same.items()][:6])
-        more = f" and {len(same) - 6} more" if len(same) > 6 else ""
-        notes.append(f"taken for the same point: {pairs}{more}")
+        pairs = [f"{escape(a, MAX_NAME_CHARS)} = {escape(b, MAX_NAME_CHARS)}" for a, b in same.items()]
+        notes.append(f"taken for the same point: {first_of(pairs, 6)}")
     return tuple(notes)

@@ -15,6 +15,8 @@ from ...geometry.rigid import rigid_transform, rotation_about_axis, rotation_fro
 from ...sensing.files import read_bytes
 from .reference import MAX_BYTES, require_urdf_content
 
+Floats = NDArray[np.float64]
+
 TURNING, SLIDING, FREE = ("revolute", "continuous"), ("prismatic",), ("planar", "floating")
 KINDS = (*TURNING, *SLIDING, *FREE, "fixed")
 SHAPES = {  # attributes of their size, with defaults
@@ -62,8 +64,8 @@ class TreeJoint:
     kind: str  # the type that the file names
     parent: str  # link
     child: str  # link
-    T_parent_joint: NDArray[np.float64]  # (4, 4) at value 0, m
-    axis: NDArray[np.float64]  # (3,) in the joint's frame
+    T_parent_joint: Floats  # (4, 4) at value 0, m
+    axis: Floats  # (3,) in the joint's frame
     lower: float  # rad or m
     upper: float  # rad or m
     limited: bool  # the file gives limits
@@ -90,7 +92,7 @@ class TreeJoint:
         """Whether this link is its parent or its child."""
         return link in (self.parent, self.child)
 
-    def at(self, value: float) -> NDArray[np.float64]:
+    def at(self, value: float) -> Floats:
         """Return T_parent_child, (4, 4), for a value [rad or m]."""
         if self.turns:
             return self.T_parent_joint @ rigid_transform(rotation_about_axis(self.axis, value))
@@ -104,7 +106,7 @@ class Shape:
     """A visible shape of a link."""
 
     kind: str  # of SHAPES
-    T_link_shape: NDArray[np.float64]  # (4, 4), m
+    T_link_shape: Floats  # (4, 4), m
     size: tuple[float, ...]  # edges, radius and length, or radius [m]; of a mesh, the scale of its axes
     file: str = ""  # of a mesh, as the URDF names it
 
@@ -164,10 +166,7 @@ def _parsed(path: Path, content: bytes) -> Tree:
         raise ValueError(f"{path}: it has {count} joints, more than {MAX_JOINTS}: keep those of the robot only")
     joints = _with_leaders(tuple(_read_joint(path, element, faults) for element in root.findall("joint")))
     links = root.findall("link")
-    _require_one_each(path, "joints", [joint.name for joint in joints])
-    _require_one_each(path, "links", [link.get("name", "?") for link in links])
-    _require_tree(path, joints)
-    _require_links(path, joints, {link.get("name", "?") for link in links})
+    _require_tree(path, joints, [link.get("name", "?") for link in links])
     shapes: dict[str, tuple[Shape, ...]] = {}
     for tag in ("visual", "collision"):
         count = sum(len(link.findall(tag)) for link in links)
@@ -211,35 +210,25 @@ def _with_leaders(joints: tuple[TreeJoint, ...]) -> tuple[TreeJoint, ...]:
     return tuple(joint if joint.mimic is None else replace(joint, mimic=leader(joint.mimic)) for joint in joints)
 
 
-def _require_one_each(path: Path, kind: str, names: list[str]) -> None:
-    """Names are unique."""
-    doubled = next((name for name, count in Counter(names).items() if count > 1), None)
-    if doubled is not None:
-        count = names.count(doubled)
-        raise ValueError(f"{path}: {count} {kind} are named {_short(doubled)!r}: give each a name of its own")
-
-
-def _require_tree(path: Path, joints: tuple[TreeJoint, ...]) -> None:
-    """No link is the child of two joints."""
+def _require_tree(path: Path, joints: tuple[TreeJoint, ...], links: list[str]) -> None:
+    """Names are unique, no link is the child of two joints, and joints name links that exist, if the file has any."""
+    for kind, names in (("joints", [joint.name for joint in joints]), ("links", links)):
+        for name, count in Counter(names).items():
+            if count > 1:
+                raise ValueError(f"{path}: {count} {kind} are named {_short(name)!r}: give each a name of its own")
     above: dict[str, str] = {}
     for joint in joints:
         if joint.child in above:
+            both = f"{above[joint.child]!r} and {joint.name!r}"
             raise ValueError(
-                f"{path}: link {joint.child!r} hangs on two joints, {above[joint.child]!r} and {joint.name!r}: "
-                "the links of a URDF are a tree"
+                f"{path}: link {joint.child!r} hangs on two joints, {both}: the links of a URDF are a tree"
             )
         above[joint.child] = joint.name
-
-
-def _require_links(path: Path, joints: tuple[TreeJoint, ...], links: set[str]) -> None:
-    """Joints name links that exist, unless the file has joints only."""
     for joint in joints if links else ():
         for link in (joint.parent, joint.child):
             if link not in links:
-                raise ValueError(
-                    f"{path}: joint {_short(joint.name)!r} names the link {_short(link)!r}, which is not there: "
-                    "name one that is, or add it"
-                )
+                where = f"joint {_short(joint.name)!r} names the link {_short(link)!r}, which is not there"
+                raise ValueError(f"{path}: {where}: name one that is, or add it")
 
 
 def _read_joint(path: Path, element: ElementTree.Element, faults: list[str]) -> TreeJoint:
@@ -248,7 +237,7 @@ def _read_joint(path: Path, element: ElementTree.Element, faults: list[str]) -> 
     for part in (element, *element):
         _report_unknown(path, where, part, faults)
 
-    def numbers(tag: str, attribute: str, default: str) -> NDArray[np.float64]:
+    def numbers(tag: str, attribute: str, default: str) -> Floats:
         return _numbers(path, where, element.find(tag), attribute, default)
 
     def link(tag: str) -> str:
@@ -261,30 +250,16 @@ def _read_joint(path: Path, element: ElementTree.Element, faults: list[str]) -> 
     axis = numbers("axis", "xyz", "1 0 0")
     if kind in TURNING + SLIDING and not np.linalg.norm(axis) >= MIN_AXIS_LENGTH:
         raise ValueError(f"{path}: {where}: its axis is zero")
-    endless, follows = kind == "continuous", element.find("mimic")
-    if (
-        kind == "revolute"
-        and MAX_PLAUSIBLE_LIMIT
-        < max(widest := [abs(numbers("limit", side, "0")[0]) for side in ("lower", "upper")])
-        < NO_LIMIT
-    ):
-        faults.append(f"{path}: {where}: a limit of {max(widest):g} rad: if these are degrees, write radians")
-    return TreeJoint(
-        name,
-        kind,
-        link("parent"),
-        link("child"),
-        _origin(path, where, element),
-        axis,
-        -np.pi if endless else numbers("limit", "lower", "0")[0],
-        np.pi if endless else numbers("limit", "upper", "0")[0],
-        element.find("limit") is not None,
-        None
-        if follows is None
-        else Mimic(
-            follows.get("joint", "?"), numbers("mimic", "multiplier", "1")[0], numbers("mimic", "offset", "0")[0]
-        ),
-    )
+    limits, mimic = (-np.pi, np.pi), None
+    if kind != "continuous":
+        limits = numbers("limit", "lower", "0")[0], numbers("limit", "upper", "0")[0]
+    if kind == "revolute" and MAX_PLAUSIBLE_LIMIT < (widest := max(map(abs, limits))) < NO_LIMIT:
+        faults.append(f"{path}: {where}: a limit of {widest:g} rad: if these are degrees, write radians")
+    if (follows := element.find("mimic")) is not None:
+        gain, offset = numbers("mimic", "multiplier", "1")[0], numbers("mimic", "offset", "0")[0]
+        mimic = Mimic(follows.get("joint", "?"), gain, offset)
+    ends, T_parent_joint = (link("parent"), link("child")), _origin(path, where, element)
+    return TreeJoint(name, kind, *ends, T_parent_joint, axis, *limits, element.find("limit") is not None, mimic)
 
 
 def _read_shapes(path: Path, link: ElementTree.Element, tag: str, faults: list[str]) -> Iterator[Shape]:
@@ -307,7 +282,7 @@ def _read_shapes(path: Path, link: ElementTree.Element, tag: str, faults: list[s
         yield Shape(element.tag, T_link_shape, tuple(np.concatenate(size).tolist()), element.get("filename", ""))
 
 
-def _origin(path: Path, where: str, element: ElementTree.Element) -> NDArray[np.float64]:
+def _origin(path: Path, where: str, element: ElementTree.Element) -> Floats:
     origin = element.find("origin")
     rpy, xyz = (_numbers(path, where, origin, name, "0 0 0") for name in ("rpy", "xyz"))
     if origin is None or origin.get("quat_xyzw") is None:
@@ -330,9 +305,7 @@ def _report_unknown(path: Path, where: str, element: ElementTree.Element, faults
         faults.append(f"{path}: {where}: <{element.tag} {_short(name)}=…> is not understood, and left out")
 
 
-def _numbers(
-    path: Path, where: str, element: ElementTree.Element | None, attribute: str, default: str
-) -> NDArray[np.float64]:
+def _numbers(path: Path, where: str, element: ElementTree.Element | None, attribute: str, default: str) -> Floats:
     text = default if element is None else element.get(attribute, default)
     try:
         values = np.array([float(word) for word in text.split()]).reshape(len(default.split()))

@@ -69,6 +69,11 @@ def stop_signals() -> list[signal.Signals]:
 
 def end_with_parent() -> None:
     """End this process as soon as its parent process has ended, however that ends."""
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
     parent = multiprocessing.parent_process()
     if parent is not None:
-        threading.Thread(target=lambda: (parent.join(), os._exit(1)), daemon=True).start()
+        parent.join()
+        os._exit(1)

@@ -20,7 +20,6 @@ from ..analysis.tracked_body import (
     name_points,
     observed_in_calibration,
     observed_in_postures,
-    own_points,
 )
 from ..drawing.export import evaluation as evaluate_report
 from ..estimation.noise import views_rounding_std
@@ -154,7 +153,7 @@ def _with_body(
         told = {"naming": _naming_json(matched, body, tracked.frames, names), **told}
         views = matched.views
     else:
-        views = own_points(body, views)
+        views = views.select(body.points)
     told["misfit"] = None
     if (misfit := find_misfit(body, views)) is not None:
         said = misfit_json(misfit[0], range(1, 1 + len(body.lower)), points) or {}

@@ -97,10 +97,8 @@ MOST_LOOKS = 60  # whose pictures are kept, of a session: 1 MB
 
 
 class RemoteEyes(SimulatedEyes):
-    """Eyes in another process. Each look blocks until its pictures are there, which are kept for a while.
-
-    look: as `CameraProcess.look`.
-    """
+    """Eyes in another process. Each look blocks until its pictures are there, which are kept for a while. look: as
+    `CameraProcess.look`."""
 
     def __init__(self, look: Callable[..., tuple], scene: Scene):
         from viewimit.simulation.rendering import NOISE_PX

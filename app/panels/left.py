@@ -12,16 +12,7 @@ from viewimit.loop.settings import MAX_SEED, given
 from viewimit.servo import SERVOS
 
 from ..drawing.overlays import beside, draw_learner
-from ..model.choices import (
-    FRAMES,
-    OF_ARMS,
-    OF_IMAGES,
-    SPEEDS,
-    Amount,
-    chosen_joints,
-    joint_choices,
-    modified,
-)
+from ..model import choices
 from ..model.editing import Rehearsal
 from ..model.page_model import PageModel
 from .panel import SLOW, JointSliders, Layout, Look, put, put_html, put_max
@@ -89,13 +80,13 @@ def history(layout: Layout, model: PageModel) -> None:
 
     layout.drawing(lambda model: (model.player.cursor, model.player.last), show_length, period=SLOW)
     # of a speed that only links have, the nearest
-    speed = lambda model: min(SPEEDS, key=lambda name: abs(SPEEDS[name] - model.player.speed))
-    layout.dropdown("Speed", list(SPEEDS), speed, "speed", period=SLOW)
+    speed = lambda model: min(choices.SPEEDS, key=lambda name: abs(choices.SPEEDS[name] - model.player.speed))
+    layout.dropdown("Speed", list(choices.SPEEDS), speed, "speed", period=SLOW)
 
 
 def _name(model: PageModel) -> str:
     """The preset, as the list has it."""
-    return modified(model.preset.name) if model.modified else model.preset.name
+    return choices.modified(model.preset.name) if model.modified else model.preset.name
 
 
 # The demonstrator's joints, and the learner's: their sliders, bars, and what the learner has seen of itself before.
@@ -192,10 +183,10 @@ def method(layout: Layout, model: PageModel) -> None:
 
     def show_joints(model: PageModel) -> None:
         nonlocal offered
-        choices = joint_choices(model.settings)
-        if offered != list(choices):
-            offered = joints.options = list(choices)
-        put(joints, chosen_joints(model.settings, choices))
+        names = choices.joint_choices(model.settings)
+        if offered != list(names):
+            offered = joints.options = list(names)
+        put(joints, choices.chosen_joints(model.settings, names))
 
     layout.drawing(lambda model: (model.generation, model.settings.joints, model.inputs), show_joints)
 
@@ -203,10 +194,10 @@ def method(layout: Layout, model: PageModel) -> None:
 def disturbances(layout: Layout, model: PageModel) -> None:
     gui = layout.gui
     with layout.folder("Disturbances", _disturbances):
-        for amount in OF_IMAGES:
+        for amount in choices.OF_IMAGES:
             _add_amount(layout, amount, model)
         with gui.add_folder("Actuator errors, random seed", expand_by_default=False):
-            for amount in OF_ARMS:
+            for amount in choices.OF_ARMS:
                 _add_amount(layout, amount, model)
             seed = gui.add_number("Seed", model.settings.seed, min=0, max=MAX_SEED, step=1)
             layout.value(seed, lambda model: model.settings.seed, "seed")
@@ -220,12 +211,12 @@ def _method(model: PageModel) -> str:
 
 def _disturbances(model: PageModel) -> str:
     """The first two, by their names."""
-    amounts = {amount.label: amount.shown(model.settings) for amount in (*OF_IMAGES, *OF_ARMS)}
-    there = [label for label, shown in amounts.items() if shown > (label == FRAMES.label) or shown < 0]
+    amounts = {amount.label: amount.shown(model.settings) for amount in (*choices.OF_IMAGES, *choices.OF_ARMS)}
+    there = [label for label, shown in amounts.items() if shown > (label == choices.FRAMES.label) or shown < 0]
     return (", ".join(there[:2]).lower() + (" …" if len(there) > 2 else "")) or "none"
 
 
-def _add_amount(layout: Layout, amount: Amount, model: PageModel) -> None:
+def _add_amount(layout: Layout, amount: choices.Amount, model: PageModel) -> None:
     """A slider, which reaches farther if the page is asked to begin there."""
     begun = amount.shown(model.settings)
     low, high = min(amount.low, begun), max(amount.high, begun)

@@ -1,7 +1,5 @@
 """Messages of a class as JSON text, each an object with a `kind`: what browsers send, and what the server tells them.
-
-Messages of browsers are untrusted. Their types, sizes and ranges are checked before anything acts on them.
-"""
+Messages of browsers are untrusted. Their types, sizes and ranges are checked before anything acts on them."""
 
 from __future__ import annotations
 

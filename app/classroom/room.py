@@ -1,8 +1,6 @@
-"""A class: its persons, the lecturer's orders and the answers. It moves messages and computes nothing else.
-
-All methods run in the server's one thread. A `Browser` is one connection; messages to it wait in its outbox until
-the server's task for that connection takes it.
-"""
+"""A class: its persons, the lecturer's orders and the answers. It moves messages and computes nothing else. All methods
+run in the server's one thread. A `Browser` is one connection; messages to it wait in its outbox until the server's task
+for that connection takes it."""
 
 import asyncio
 import hashlib

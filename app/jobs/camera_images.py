@@ -1,8 +1,6 @@
-"""Camera images are rendered beside the server: one process for all sessions that look with pictures.
-
-It begins with the first look, answers one after the other, and ends when nobody has looked for a while. A look says
-all that its pictures depend on, so that a process that is lost is replaced by another.
-"""
+"""Camera images are rendered beside the server: one process for all sessions that look with pictures. It begins with
+the first look, answers one after the other, and ends when nobody has looked for a while. A look says all that its
+pictures depend on, so that a process that is lost is replaced by another."""
 
 import threading
 from collections import OrderedDict

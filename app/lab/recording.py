@@ -1,8 +1,6 @@
-"""A session's snapshots as numbers, which the modules of the lab draw in a replay.
-
-Pixels are whole hundredths and angles whole microradians, null where something is not known: small as compressed JSON.
-app/lab/view/recorded.js reads what is written here.
-"""
+"""A session's snapshots as numbers, which the modules of the lab draw in a replay. Pixels are whole hundredths and
+angles whole microradians, null where something is not known: small as compressed JSON. app/lab/view/recorded.js reads
+what is written here."""
 
 from collections.abc import Sequence
 from functools import cache, lru_cache
@@ -62,7 +60,7 @@ def record(session: Session, motions: Sequence[int], chosen: int | None) -> dict
     snapshots = [session.history[k] for k in motions]
     count, points = len(session.world.body), range(len(session.world.body))
     constructed = points if count * len(motions) <= MAX_CONSTRUCTIONS else [] if chosen is None else [chosen]
-    demonstrators, methods, maps = _Table(), _Table(), _Maps(session, snapshots)
+    demonstrators, methods, maps = list[Any](), list[Any](), _Maps(session, snapshots)
     silhouettes = Silhouettes({}, session.world)
     recorded = []
     for moment in snapshots:
@@ -73,21 +71,21 @@ def record(session: Session, motions: Sequence[int], chosen: int | None) -> dict
             {
                 "motion": moment.motion,
                 "theta": _angles(moment.theta),
-                "demo": demonstrators.add(demo),
+                "demo": _index(demonstrators, demo),
                 "own": _pixels(views.own),
                 "seen": own_seen,
                 "recovered": _pixels(moment.recovered),
                 "bones": None if recovered is None else _pixels(recovered),
                 "E": None if np.isnan(moment.E) else float(f"{moment.E:.6g}"),
                 "probe": moment.probe,
-                "method": methods.add(describe_method(moment)),
+                "method": _index(methods, describe_method(moment)),
                 "map": maps.index(moment),
                 "condition": _condition(moment),
                 "constructed": {str(point): _construction(moment, point) for point in constructed},
                 **_said(session, moment),
             }
         )
-    tables = {"demonstrators": demonstrators.entries, "methods": methods.entries, "maps": maps.entries}
+    tables = {"demonstrators": demonstrators, "methods": methods, "maps": maps.entries}
     return {"chosen": chosen, "snapshots": recorded, **tables}
 
 
@@ -166,17 +164,11 @@ def _construction(moment: Snapshot, point: int) -> dict[str, Any] | None:
     return found
 
 
-class _Table:
-    """Different entries, each once."""
-
-    def __init__(self) -> None:
-        self.entries: list[Any] = []
-
-    def add(self, entry: Any) -> int:
-        """Return the entry's index."""
-        if entry not in self.entries:
-            self.entries.append(entry)
-        return self.entries.index(entry)
+def _index(entries: list[Any], entry: Any) -> int:
+    """The entry's index, after adding it to different ones if it is new."""
+    if entry not in entries:
+        entries.append(entry)
+    return entries.index(entry)
 
 
 class _Maps:

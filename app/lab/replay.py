@@ -1,8 +1,6 @@
-"""A session as one HTML file that needs no server, also for a notebook's cell.
-
-It is the lab with a recorded run: the same page and modules show the run's snapshots, and take over where the lab can
-compute the run's scene. The browser's modules become one script that needs no loader.
-"""
+"""A session as one HTML file that needs no server, also for a notebook's cell. It is the lab with a recorded run: the
+same page and modules show the run's snapshots, and take over where the lab can compute the run's scene. The browser's
+modules become one script that needs no loader."""
 
 import base64
 import hashlib

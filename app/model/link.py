@@ -1,8 +1,6 @@
-"""A page as a link or its own tab holds it: one query, which the library reads from left to right as a script.
-
-Fields of the page itself stand beside the script's: the preset, the motion shown, speed, chosen point and switches; in
-a duel the opponent's own query; and for the tab alone, the colours and whether the tour was dismissed.
-"""
+"""A page as a link or its own tab holds it: one query, which the library reads from left to right as a script. Fields
+of the page itself stand beside the script's: the preset, the motion shown, speed, chosen point and switches; in a duel
+the opponent's own query; and for the tab alone, the colours and whether the tour was dismissed."""
 
 import math
 import time

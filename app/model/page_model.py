@@ -1,7 +1,5 @@
 """What a page is about, without its widgets: a session, how fast it runs, how it is shown, and what goes with it.
-
-Commands change it; panels and the scene read it, and change nothing.
-"""
+Commands change it; panels and the scene read it, and change nothing."""
 
 from collections.abc import Callable, Hashable
 from dataclasses import replace

@@ -1,8 +1,6 @@
-"""Editing the body points: which there are, what they tell, which one more would tell most, a file with them.
-
-Both arms wear the same points. It uses what the simulation knows, as a person who marks an arm sees it; the learner
-gets only the images of the points.
-"""
+"""Editing the body points: which there are, what they tell, which one more would tell most, a file with them. Both arms
+wear the same points. It uses what the simulation knows, as a person who marks an arm sees it; the learner gets only the
+images of the points."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

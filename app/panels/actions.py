@@ -1,8 +1,6 @@
 """What a page's script sends by the page's own connection: clicks in its drawings, and what its browser says of itself.
-
 It puts numbered actions into a text widget that nobody sees, and sends them again until the widget shows the last
-number. So each is taken once, and in order, even if the connection breaks.
-"""
+number. So each is taken once, and in order, even if the connection breaks."""
 
 from collections.abc import Callable
 from functools import partial

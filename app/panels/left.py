@@ -106,9 +106,7 @@ def demonstrator(layout: Layout, model: PageModel) -> None:
         layout.gui.add_html('<div class="vi-or">… or drag the arrows at its hand</div>')
     sliders = JointSliders(layout, inside, "{joint}", "pose_joint")
 
-    def show(model: PageModel) -> None:
-        sliders.show(model, given(model.settings.demonstrator_deg))
-
+    show = lambda model: sliders.show(model, given(model.settings.demonstrator_deg))
     show(model)
     layout.drawing(lambda model: (model.generation, model.settings.demonstrator_deg, model.inputs), show)
 
@@ -131,11 +129,8 @@ def learner(layout: Layout, model: PageModel) -> None:
         assessment = shown.assessment if shown.playback is None else None  # which is of the session's snapshot
         put_html(bars, draw_learner(model.session.scene, shown.learner_theta, shown.snapshot.theta_demo, assessment))
 
-    def bars_period(model: PageModel) -> float:
-        """They move along with the arm; numbers that change with every motion nobody reads faster."""
-        return 0.0 if model.displayed.interpolated_theta is not None else SLOW
-
-    layout.drawing(bars_key, draw_bars, bars_period)
+    # they move along with the arm; numbers that change with every motion nobody reads faster
+    layout.drawing(bars_key, draw_bars, lambda model: SLOW if model.displayed.interpolated_theta is None else 0.0)
 
 
 def start(layout: Layout, model: PageModel) -> None:
@@ -144,17 +139,14 @@ def start(layout: Layout, model: PageModel) -> None:
     folder = layout.folder("Start", lambda model: _angles(given(model.settings.start_deg)))
     with folder:
         with layout.row(quiet=True):
-            layout.button(
-                _rehearsal_look, "rehearsal", hint=HINT, enabled=lambda model: Rehearsal(model.session).offered
-            )
+            offered = lambda model: Rehearsal(model.session).offered
+            layout.button(_rehearsal_look, "rehearsal", offered, hint=HINT)
             layout.html(lambda model: f'<div class="vi-remembers">{Rehearsal(model.session).words}</div>')
         inside = layout.gui.add_folder(None)
     sliders = JointSliders(layout, inside, "Start {joint}", "start_joint", "The learner starts again there.")
 
-    def show_start(model: PageModel) -> None:
-        sliders.show(model, given(model.settings.start_deg))
-
-    layout.drawing(lambda model: (model.generation, model.settings.start_deg, model.inputs), show_start)
+    show = lambda model: sliders.show(model, given(model.settings.start_deg))
+    layout.drawing(lambda model: (model.generation, model.settings.start_deg, model.inputs), show)
 
 
 def _angles(angles_deg: Sequence[float]) -> str:

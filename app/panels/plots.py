@@ -87,8 +87,27 @@ def landscape(layout: Layout, model: PageModel) -> None:
                 put_properties(over, visible=shown)
 
         layout.bind(lambda model: not _compares(model), show_own)
-        own = OwnPath(ground, path)
-        layout.drawing(own.key, own.draw, own.period)
+        drawn: MadeLandscape | None = None
+
+        def path_key(model: PageModel) -> tuple:
+            on_its_way = model.displayed.interpolated_theta
+            theta = model.snapshot.theta if on_its_way is None else on_its_way
+            return model.landscape.made, model.snapshot, theta.tobytes()
+
+        def path_period(model: PageModel) -> float:
+            """Return 0 s, as for the images, while the arm moves or after a new landscape."""
+            at_once = model.displayed.interpolated_theta is not None or model.landscape.made is not drawn
+            return 0.0 if at_once else SLOW
+
+        def draw_path(model: PageModel) -> None:
+            nonlocal drawn
+            drawn, session = model.landscape.made, model.session
+            if drawn is not None:
+                put_html(ground, drawn.picture.html)
+                on_its_way = model.displayed.interpolated_theta
+                put_html(path, drawn.picture.draw_path(session.history, session.cursor, on_its_way))
+
+        layout.drawing(path_key, draw_path, path_period)
 
         def draw_preview(model: PageModel) -> None:
             moment = model.displayed.preview
@@ -97,32 +116,6 @@ def landscape(layout: Layout, model: PageModel) -> None:
         layout.drawing(attrgetter("displayed.preview", "generation"), draw_preview)
         draw_links = lambda model: put_html(links, overlays.posture_field(model.session.scene))
         layout.drawing(lambda model: (model.generation,), draw_links)
-
-
-class OwnPath:
-    """The landscape of the session's own transfer, and the learner's path on it."""
-
-    def __init__(self, ground: Any, path: Any):
-        self._ground, self._path = ground, path
-        self._drawn: MadeLandscape | None = None
-
-    def key(self, model: PageModel) -> tuple:
-        on_its_way = model.displayed.interpolated_theta
-        theta = model.snapshot.theta if on_its_way is None else on_its_way
-        return model.landscape.made, model.snapshot, theta.tobytes()
-
-    def period(self, model: PageModel) -> float:
-        """Return 0 s, as for the images, while the arm moves or after a new landscape; else the period of plots."""
-        at_once = model.displayed.interpolated_theta is not None or model.landscape.made is not self._drawn
-        return 0.0 if at_once else SLOW
-
-    def draw(self, model: PageModel) -> None:
-        self._drawn = made = model.landscape.made
-        if made is not None:
-            session = model.session
-            put_html(self._ground, made.picture.html)
-            on_its_way = model.displayed.interpolated_theta
-            put_html(self._path, made.picture.draw_path(session.history, session.cursor, on_its_way))
 
 
 def _compares(model: PageModel) -> bool:

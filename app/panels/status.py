@@ -1,9 +1,6 @@
-"""The strip over the scene: the learner's words, and beneath them the truth.
-
-Other words take their place: a message while it lasts, a recording or replay, points that are edited, a previewed
-posture, and the warning that nothing is saved. While an arm moves, both describe the posture in which it is displayed,
-as the images do.
-"""
+"""The strip over the scene: the learner's words, and beneath them the truth. Other words take their place: a message
+while it lasts, a recording or replay, points that are edited, a previewed posture, and the warning that nothing is
+saved. While an arm moves, both describe the posture in which it is displayed, as the images do."""
 
 from viewimit.drawing.curves import describe_errors
 from viewimit.drawing.status import BY_PAGE, StatusMessage, describe, describe_outcome, describe_truth, draw_status

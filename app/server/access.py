@@ -1,7 +1,5 @@
-"""Who may connect, and what each answer says about itself.
-
-viser opens a websocket server that takes anybody, from any page, and any message; this stands around it.
-"""
+"""Who may connect, and what each answer says about itself. viser opens a websocket server that takes anybody, from any
+page, and any message; this stands around it."""
 
 import asyncio
 import json

@@ -1,8 +1,6 @@
-"""The message guard: what a browser may send, field by field, and what its own page has.
-
-Messages that are not described here are refused before viser sees it.
-Real numbers are bounded, which NaN and infinities are not within. Types and fields are those of viser._messages.
-"""
+"""The message guard: what a browser may send, field by field, and what its own page has. Messages that are not
+described here are refused before viser sees it. Real numbers are bounded, which NaN and infinities are not within.
+Types and fields are those of viser._messages."""
 
 import asyncio
 import math

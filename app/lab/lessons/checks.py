@@ -1,7 +1,5 @@
 """What types do not check in a lesson: unknown names, numbers that contradict each other, questions without an answer.
-
-Each check yields faults as (field, message), with the field as .step[2].ask.
-"""
+Each check yields faults as (field, message), with the field as .step[2].ask."""
 
 import re
 from collections.abc import Iterable, Iterator, Mapping

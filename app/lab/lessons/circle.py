@@ -1,7 +1,5 @@
 """A circle of the demonstrator's hand, imitated by a transfer that was frozen: where the postures agree, and too early.
-
-The hand is the origin of the last link. It wears no mark, but a transfer maps any point that [l] and [r] can show.
-"""
+The hand is the origin of the last link. It wears no mark, but a transfer maps any point that [l] and [r] can show."""
 
 from dataclasses import dataclass
 from functools import cache

@@ -1,7 +1,5 @@
-"""Records of steps that compare postures: runs of servos, maps of E, minima, clouds of estimates, places in a room.
-
-All is computed from a step's situation, and kept for equal situations. `plain` makes data for JSON of it.
-"""
+"""Records of steps that compare postures: runs of servos, maps of E, minima, clouds of estimates, places in a room. All
+is computed from a step's situation, and kept for equal situations. `plain` makes data for JSON of it."""
 
 from collections.abc import Mapping
 from functools import cache

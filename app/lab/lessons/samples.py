@@ -1,7 +1,5 @@
-"""Postures that are sampled for lessons, and starts over which servos are compared.
-
-Everything is drawn with seeds that are passed in, so a page that is written again has the same samples.
-"""
+"""Postures that are sampled for lessons, and starts over which servos are compared. Everything is drawn with seeds that
+are passed in, so a page that is written again has the same samples."""
 
 from dataclasses import replace as changed
 

@@ -1,7 +1,5 @@
-"""The state that a step of a lesson shows: scene, world, and the images at its start.
-
-Scenes are those of the step's settings, with other fields where the step gives some, or with the eyes moved.
-"""
+"""The state that a step of a lesson shows: scene, world, and the images at its start. Scenes are those of the step's
+settings, with other fields where the step gives some, or with the eyes moved."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

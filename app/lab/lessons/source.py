@@ -1,7 +1,5 @@
-"""Lessons from their files: the shipped ones in their order, or those of a lecturer.
-
-A file is checked whole when it is read. An error names the file, the line and the field.
-"""
+"""Lessons from their files: the shipped ones in their order, or those of a lecturer. A file is checked whole when it is
+read. An error names the file, the line and the field."""
 
 import math
 import re

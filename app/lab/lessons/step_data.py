@@ -1,8 +1,6 @@
-"""What the library computes for a step: state, facts, records, moved eyes and samples.
-
-Those of the shipped lessons are in assets/lessons/data.json, which assets/build_lessons.py writes, by a digest of what
-they are computed from. Those of other lessons are computed when a page is written.
-"""
+"""What the library computes for a step: state, facts, records, moved eyes and samples. Those of the shipped lessons are
+in assets/lessons/data.json, which assets/build_lessons.py writes, by a digest of what they are computed from. Those of
+other lessons are computed when a page is written."""
 
 import hashlib
 import json

@@ -192,12 +192,11 @@ class Room:
 
     def _login(self, browser: Browser, code: str) -> None:
         if not self._may_try(browser):
-            browser.send(p.encode("wrong", why="Too many wrong codes. Wait a few seconds, then type it again."))
-            return
+            why = "Too many wrong codes. Wait a few seconds, then type it again."
+            return browser.send(p.encode("wrong", why=why))
         if not hmac.compare_digest(self._hash(code), self._code):
             log.warning("a wrong lecturer's code from %s", browser.address)
-            browser.send(p.encode("wrong", why="That is not the code of this class."))
-            return
+            return browser.send(p.encode("wrong", why="That is not the code of this class."))
         session = secrets.token_hex(16)
         self._leave_class(browser)
         self._become_lecturer(browser, self._hash(session))
@@ -317,11 +316,10 @@ class Room:
 
     def _ask(self, ask: p.Ask) -> None:
         times = 1 + sum((r.lesson, r.step, r.phase) == (ask.lesson, ask.step, ask.phase) for r in self.rounds)
-        number = self._new_order()
-        asked = Round(number, ask.lesson, ask.step, ask.phase, times)
-        self.rounds.append(asked)
-        self.store.add_round(asked)
-        self._order(asked=p.Asked(number, ask.lesson, ask.step, ask.phase, times, seed=ask.seed), lead=False)
+        what = self._new_order(), ask.lesson, ask.step, ask.phase, times
+        self.rounds.append(Round(*what))
+        self.store.add_round(self.rounds[-1])
+        self._order(asked=p.Asked(*what, seed=ask.seed), lead=False)
         self._note_who_stays()
         self._counted = False
 
@@ -351,8 +349,7 @@ class Room:
     def _request(self, browser: Browser, place: int) -> None:
         person = next((one for one in self.persons.values() if one.place == place), None)
         if person is None:
-            browser.send(p.encode("done", what="This student is gone."))
-            return
+            return browser.send(p.encode("done", what="This student is gone."))
         self._requests += 1
         self._requested = self._requests, browser, person
         next(iter(person.tabs)).send(p.encode("request", number=self._requests))
@@ -374,14 +371,12 @@ class Room:
         ask = self.asks.get((answer.lesson, answer.step))
         is_own = answer.phase == "own"
         if ask is None or is_own == (answer.lesson == QUESTIONS) or not fits(ask, answer.answer):
-            self._refuse(browser, answer, "This class asks nothing like that.")
-            return
+            return self._refuse(browser, answer, "This class asks nothing like that.")
         phase, asked = str(answer.phase), None
         if answer.round:
             asked = self.asked
             if asked is None or asked.number != answer.round or (self.orders.asked and self.orders.asked.revealed):
-                self._refuse(browser, answer, "It came after the question was closed.")
-                return
+                return self._refuse(browser, answer, "It came after the question was closed.")
             if (asked.lesson, asked.step) != (answer.lesson, answer.step):
                 raise p.Rejected("an answer to another question")
             phase = asked.label
@@ -509,8 +504,7 @@ class Room:
 
     def _count_text(self) -> str:
         """The question that is asked, and its answers so far, for lecturers alone."""
-        asked = self.asked
-        found = None
+        asked, found = self.asked, None
         if asked is not None:
             left_out = self._left_out(asked)
             votes = {voter: vote for voter, vote in asked.votes.items() if voter not in left_out}

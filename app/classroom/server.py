@@ -36,6 +36,10 @@ ENTRY = "lessons/class.js"
 STYLES = "class.css", "../challenge/challenge.css"
 WAYS = Ways(play="lab", learn="./")
 LIMITS = Limits()
+HEADERS = {
+    "Cache-Control": "no-cache", "Vary": "Accept-Encoding", "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer", "Connection": "close",
+}  # fmt: skip
 TICK_S = 0.25
 MAX_FRAME_BYTES = 4 * MAX_MESSAGE_BYTES  # longer messages are not even read
 MAX_OPEN_FILES = 16_384  # connections are open files; systems allow 1,024 or fewer unless asked
@@ -58,17 +62,8 @@ class Page:
 
     def answer(self, asked: Headers) -> Response:
         """Return the page, or that the browser has it."""
-        headers = Headers(
-            {
-                "Content-Security-Policy": content_policy(asked.get("Host", ""), self._scripts, ancestors=self._embed),
-                "Cache-Control": "no-cache",
-                "ETag": self._tag,
-                "Vary": "Accept-Encoding",
-                "X-Content-Type-Options": "nosniff",
-                "Referrer-Policy": "no-referrer",
-                "Connection": "close",
-            }
-        )
+        policy = content_policy(asked.get("Host", ""), self._scripts, ancestors=self._embed)
+        headers = Headers({**HEADERS, "Content-Security-Policy": policy, "ETag": self._tag})
         if asked.get("If-None-Match") == self._tag:
             return Response(304, "Not Modified", headers)
         body = self._plain
@@ -209,7 +204,6 @@ def allow_many_connections() -> int:
 
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     limit = MAX_OPEN_FILES if hard == resource.RLIM_INFINITY else min(hard, MAX_OPEN_FILES)
-    if soft < limit:
-        with contextlib.suppress(ValueError, OSError):
-            resource.setrlimit(resource.RLIMIT_NOFILE, (limit, hard))
+    with contextlib.suppress(ValueError, OSError):
+        resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, limit), hard))
     return resource.getrlimit(resource.RLIMIT_NOFILE)[0]

@@ -156,9 +156,6 @@ def show_word(model: PageModel, key: Word) -> None:
         play(model)
 
 
-# Commands that make a page what a link holds, or what its own tab has kept.
-
-
 @command("link", latest=True, moves=True, link=True)
 def follow_link(model: PageModel, address: str) -> None:
     """Become what a link holds. Its motions are computed beside the page, as that may take seconds."""

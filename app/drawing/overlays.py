@@ -53,9 +53,6 @@ CURVES_WIDTH = 424  # px
 AIM, ARM = 8, 13  # px, cross hair: radius of its ring, length of its lines
 
 
-# Links on the points of the four images
-
-
 def point_links(count: int, whole: bool) -> str:
     """Build links over the four images, whole or not. Tab stops at the points of L, as the other images repeat them.
     Each point has two links: a circle of radius HIT, and above all of these the part where it is the nearest point."""

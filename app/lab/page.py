@@ -12,6 +12,7 @@ from viewimit.simulation.world import World
 from ..presets import LAB_PRESETS, Preset
 from ..ways import Ways, about, header
 from .engine_scene import can_compute, describe_hulls, engine_scene
+from .recording import described
 from .replay import lab_html
 from .space import Shapes, describe_robot, describe_stage
 
@@ -57,11 +58,7 @@ def _described(preset: Preset, scene: str, layouts: list[str]) -> dict[str, Any]
         "name": preset.key,
         "title": preset.name,
         "says": preset.says,
-        "transfer": settings.transfer,
-        "servo": settings.servo,
-        "noisePx": settings.noise_px,
-        "missing": settings.missing,
-        "seed": settings.seed,
+        **described(settings),
         "scene": scene,
         **({} if settings.start_deg is None else {"start": np.radians(settings.start_deg).tolist()}),
         "points": min(map(int, layouts), key=lambda count: abs(count - settings.points)),

@@ -89,6 +89,12 @@ def record(session: Session, motions: Sequence[int], chosen: int | None) -> dict
     return {"chosen": chosen, "snapshots": recorded, **tables}
 
 
+def described(settings: Settings) -> dict[str, Any]:
+    """Return the settings that the lab has, as its modules name them."""
+    same = ("transfer", "servo", "missing", "seed", "points")
+    return {**{name: getattr(settings, name) for name in same}, "noisePx": settings.noise_px}
+
+
 def describe_method(moment: Snapshot) -> dict[str, Any]:
     """Say how the learner learns at a moment, and with which of the lab's methods the run can go on there."""
     settings = moment.settings
@@ -101,11 +107,10 @@ def describe_method(moment: Snapshot) -> dict[str, Any]:
         "crosses": moment.method.crosses_lines,
         "rectified": moment.rectification is not None,
         "lab": {
+            **described(settings),
             "transfer": transfer,
             "servo": servo,
             "noisePx": round(settings.noise_px / settings.frames**0.5, 4),
-            "missing": settings.missing,
-            "seed": settings.seed,
             "points": len(moment.views.demo),
         },
         "lacks": lacks(settings, moment.method.title, moment.servo.title, moment.rectification is not None),

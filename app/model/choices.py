@@ -27,9 +27,6 @@ def modified(preset: str) -> str:
     return f"(modified) {preset}"
 
 
-# The sliders of the folder Disturbances: what each stands for in the settings, in the units of the page.
-
-
 @dataclass(frozen=True)
 class Amount:
     """name: in `Settings`; label, low, high, step, hint: of its slider; per: units on the page for one there;
@@ -136,9 +133,6 @@ def _number(count: int) -> str:
     return WORDS[count] if count < len(WORDS) else str(count)
 
 
-# Layouts of body points to choose from: the scene's own, and the one that was made by hand.
-
-
 def layout_choices(settings: Settings) -> dict[str, dict[str, Any]]:
     """Settings to change, by name; none for the points by hand, if there are some."""
     own = load_scene(settings.scene, settings.robot).points
@@ -215,8 +209,6 @@ def require_scene(text: str) -> None:
     if not scene.title.isprintable():
         raise ValueError("the link's scene has a title that cannot be printed")
 
-
-# How a page shows its session: what its visitor and its browser have chosen, and messages.
 
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
 WINDOW = "window"  # instead of all tabs' names

@@ -131,8 +131,6 @@ class UndoableSession:
         self._in_new_world()
 
 
-# The undo stack: branches of motions that others replaced, and sessions before a restart.
-
 MAX_ENTRIES = 12
 
 Run = tuple[tuple[Snapshot, ...], int, Log]  # history, cursor, and how it came there

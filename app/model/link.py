@@ -168,24 +168,19 @@ def settings_of(scripts: list[Script]) -> Iterator[Settings]:
             if isinstance(action, Begin):
                 yield action.settings
             elif isinstance(action, ChangeSettings) and not action.fields.keys().isdisjoint(BOUNDED):
-                yield _changed(action)
-
-
-def _changed(action: ChangeSettings) -> Settings:
-    try:
-        return msgspec.convert(action.fields, Settings)
-    except (msgspec.ValidationError, ValueError) as error:
-        raise ValueError(f"the link cannot be opened: {' '.join(str(error).split())[:200]}") from None
+                try:
+                    yield msgspec.convert(action.fields, Settings)
+                except (msgspec.ValidationError, ValueError) as error:
+                    raise ValueError(f"the link cannot be opened: {' '.join(str(error).split())[:200]}") from None
 
 
 def require_allowed(scripts: list[Script], begun: Settings) -> None:
     """Raise ValueError for work that a server does not do for every visitor."""
-    texts: dict[str, None] = {}
-    scenes, robots = {*scene_names(), begun.scene}, {*robot_names(), begun.robot, None}
+    scenes, robots, texts = {*scene_names(), begun.scene}, {*robot_names(), begun.robot, None}, set[str]()
     for settings in settings_of(scripts):
         _require_names(settings, scenes, robots)
         if is_text(settings.scene):
-            texts[settings.scene] = None
+            texts.add(settings.scene)
     if len(texts) > MAX_SCENES:
         raise ValueError(f"the link describes {len(texts)} scenes; {MAX_SCENES} are the most")
     for text in texts:

@@ -132,13 +132,12 @@ class PageModel:
         self.generation += 1
 
 
-# What a page has drawn last, and when: nothing is sent when nothing changes, nor more often than anybody sees.
-
 EARLY = 0.9  # of a period: ticks jitter
 
 
 class Redraw:
-    """Remembers by kind of drawing, or by a name, its last values and when it was drawn."""
+    """Remembers by kind of drawing, or by a name, its last values and when it was drawn: nothing is sent when nothing
+    changes, nor more often than anybody sees."""
 
     def __init__(self):
         self._state: dict[Hashable, tuple] = {}

@@ -145,8 +145,6 @@ def _enlarge_links(large: str | None, details: bool) -> str:
     return f'<div class="vi-larger-links">{links}</div>{mark}'
 
 
-# The folder in which body points are edited: begin and end, remove, propose, save, and what the points tell.
-
 EDIT, DONE = ("Edit points", Icon.POINT), ("Done", Icon.CHECK)
 PROPOSE, TAKE = ("Best next", Icon.BULB), ("Take it", Icon.BULB)
 ABOUT = "Mark both arms yourself: click an arm to place a point, or a point to choose it."

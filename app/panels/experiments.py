@@ -108,8 +108,6 @@ def _row(claim: Claim) -> str:
     return f"<tr>{cells}<td>{MARKS[claim.holds]}</td></tr>"
 
 
-# The tab Follow: record the demonstrator's motion, replay it, go through it, keep it in a file.
-
 ABOUT = (
     "Here the demonstrator moves along a path: choose one, record your own while you move it, or load one from a file."
     " While the page plays, the learner follows it. Fig. 10 under Experiments imitates it."

@@ -89,8 +89,6 @@ def _name(model: PageModel) -> str:
     return choices.modified(model.preset.name) if model.modified else model.preset.name
 
 
-# The demonstrator's joints, and the learner's: their sliders, bars, and what the learner has seen of itself before.
-
 WATCH, STOP = ("Watch yourself first", Icon.EYE), ("Stop", Icon.PLAYER_STOP)
 FORGET = "Forget", Icon.ERASER
 MANY = 4  # joints, whose angles are too long for a folder's name
@@ -156,9 +154,6 @@ def _angles(angles_deg: Sequence[float]) -> str:
 def _rehearsal_look(model: PageModel) -> Look:
     rehearsal = Rehearsal(model.session)
     return STOP if rehearsal.to_go else FORGET if rehearsal.held else WATCH
-
-
-# Transfer, servo, and the joints that imitate; and what makes it harder, the less frequent disturbances folded.
 
 
 def method(layout: Layout, model: PageModel) -> None:

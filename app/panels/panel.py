@@ -268,9 +268,6 @@ class JointSliders:
                 self._sliders.append(slider)
 
 
-# Properties of viser's widgets, written only if they differ
-
-
 def put(handle: Any, value: Any) -> None:
     """Write a value. A slider's own rounding is no change."""
     shown = handle.value

@@ -153,8 +153,6 @@ def equations(layout: Layout, model: PageModel) -> None:
         layout.drawing(key, lambda model: put_html(shown, draw_equations(*key(model))), period=SLOWEST)
 
 
-# The tab Duel: the opponent's method, both paths, standings.
-
 BEGIN, END = ("Begin duel", Icon.SWORDS), ("End duel", Icon.PLAYER_STOP)
 
 

@@ -160,8 +160,6 @@ class Scene3D:
         return min((hit for hit in hits if hit is not None), key=lambda hit: hit.distance, default=None)
 
 
-# The default camera of a page's 3-D scene: where it is put, and when again.
-
 SAME_SHAPE = 0.01  # of an aspect: viser draws with fewer pixels when it is slow, and rounds their number
 UNTOUCHED = 0.01  # m that a camera may be off a place where the page put it
 NUDGE = 1e-3  # m: viser sends no place that equals the browser's last one, which may be outdated
@@ -220,8 +218,6 @@ class DefaultView:
         return any(math.dist(here, place) < UNTOUCHED for place in places)
 
 
-# The arrows at the demonstrator's hand, by which it is dragged.
-
 NODE = "/demonstrator_hand"
 SIZE = 0.22  # m, of its arrows
 ABOVE, LINE = np.array([0, 0, SIZE + 0.07]), 0.07  # m from the hand to its name; the height of a line
@@ -268,8 +264,6 @@ class HandGizmo:
         if self._let_go and not self._dragging:
             self._gizmo.position, self._let_go = self._hand[2], False
 
-
-# Which point a click in the 3-D scene means.
 
 REACH = 0.02  # of the canvas's height that a click may be off: a fingertip, 12 px of 600
 

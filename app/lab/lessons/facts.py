@@ -64,9 +64,6 @@ def compute(
     return facts, {name: RECORDS[name](situation) for name in RECORDS if name in names}
 
 
-# Facts of one step each
-
-
 def share(value: float) -> str:
     """Write a share of one as a fraction: "a tenth", "a 48th"; as a multiple above two thirds."""
     whole = round(1 / value)

@@ -43,9 +43,6 @@ def degrees_off(theta: Array, truth: Array) -> float:
     return float(np.degrees(np.abs(theta - truth).max()))
 
 
-# Runs of servos
-
-
 @cache
 def run(situation: Situation, servo: str, max_motions: int = MAX_MOTIONS) -> Session:
     """Run a servo from the step's start until it rests."""
@@ -92,9 +89,6 @@ def races(situation: Situation) -> dict[str, Any]:
     return {servo: run_record(run(situation, servo)) for servo in situation.race if servo not in BROWSER_SERVOS}
 
 
-# Maps of E and their minima
-
-
 @cache
 def landscape(situation: Situation, step_deg: float = MAP_STEP_DEG, transfer: str | None = None) -> Landscape:
     """Compute E over both joints, for the demonstrator in the images at the start."""
@@ -126,9 +120,6 @@ def biases(situation: Situation) -> dict[str, Any]:
         "times": list(DISTANCES),
         "degrees": {name: plain([bias_deg(one, name) for one in at]) for name in TRANSFERS},
     }
-
-
-# Noise
 
 
 @cache
@@ -171,9 +162,6 @@ def shown_px(situation: Situation, joint: int, by_arrows: bool) -> float:
     return float(np.sqrt(2 * np.mean(J**2)))
 
 
-# The conflict
-
-
 def signpost_cosine(views: FourViews, recovered: Array, goal: Array) -> float:
     """Cosine between all arrows, followed from dot to diamond, and the ways to the goal, (…, N, 4) px each."""
     arrows, ways = recovered - views.own, goal - views.own
@@ -193,9 +181,6 @@ def signposts(situation: Situation) -> Array:
             transfer = situation.start.fit(views)
             found.append(signpost_cosine(views, transfer.recover(views.demo_left, views.demo_right), alike.own))
     return np.array(found)
-
-
-# Swapped points, and eyes turned inwards
 
 
 def true_pairs(situation: Situation) -> Pairs:

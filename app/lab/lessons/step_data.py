@@ -17,6 +17,7 @@ import viewimit
 
 from ..engine_scene import engine_scene
 from ..page import with_few_points
+from ..recording import described
 from . import facts
 from .format import Do, Item, Lesson, Slider, Step, figures_of, measures_in, measures_of, settings_of
 from .samples import sample_postures
@@ -128,8 +129,7 @@ def _of_situation(step: Step, situation: Situation, scenes: Scenes) -> dict[str,
     settings, start = situation.settings, situation.start
     state = {
         "scene": _add_scene(situation, scenes),
-        **{name: getattr(settings, name) for name in ("points", "transfer", "servo", "missing", "seed")},
-        "noisePx": settings.noise_px,
+        **described(settings),
         "demonstrator": start.theta_demo.tolist(),
         "start": start.theta.tolist(),
     }

@@ -59,11 +59,11 @@ class Actions:
                 self._call(control, value)
 
     def _call(self, control: str, value: str) -> None:
-        command = self._queue.commands.get(control)
+        command, sender = self._queue.commands.get(control), ("action", control)
         if command is None or not command.link:
-            self._queue.reject(f"this page has no control {control!r}: reload it", ("action", control))
+            self._queue.reject(f"this page has no control {control!r}: reload it", sender)
         else:
-            self._queue.call(control, *[value] * len(command.parsers), sender=("action", control))
+            self._queue.call(control, *[value] * len(command.parsers), sender=sender)
 
 
 def actions(layout: Layout, model: PageModel) -> None:

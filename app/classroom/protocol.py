@@ -136,7 +136,7 @@ class Ask(Struct, tag="ask", **FIELDS):
 
 
 class Reveal(Struct, tag="reveal", **FIELDS):
-    """The truth and the answers, for everybody. truth, near: as `answers.is_right` takes them."""
+    """The truth and the answers, for everybody. truth, near: as `votes.is_right` takes them."""
 
     truth: Annotated[tuple[Path, ...], Meta(max_length=200)] = ()
     near: Real | None = None

@@ -18,10 +18,9 @@ import segno
 
 from ..server.limits import TokenBucket, network_of
 from . import protocol as p
-from .answers import QUESTIONS, Asks, fits, is_right
 from .report import as_csv, learned
 from .store import Row, Store, unlinked
-from .votes import Round, Vote, results
+from .votes import QUESTIONS, Asks, Round, Vote, fits, is_right, results
 
 MAX_WAITING = 500  # messages in an outbox, after which its connection is closed: the browser comes back
 MESSAGES_PER_S, MESSAGES_AT_ONCE = 25.0, 100  # of one browser, answers resent after a lost connection included

@@ -43,10 +43,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from ..classroom.answers import asks_of
     from ..classroom.room import Room
     from ..classroom.server import ClassServer, class_pages
     from ..classroom.store import Store
+    from ..classroom.votes import asks_of
     from ..lab.lessons.source import find, shipped
     from ..server.address import listen, require_free, require_origin
 

@@ -60,7 +60,7 @@ def undo(model: PageModel, *, now: float) -> None:
     model.player.pause()
     left = model.past.here
     if left is None:
-        model.player.undo(now)
+        model.player.scrub(model.player.cursor - 1, now)
     else:
         model.undoable.bring_back(left)
         parts = [left.preset.name, count_motions(left.motions)]

@@ -151,10 +151,6 @@ class Player:
         for runner in self.runners:
             runner.move(now, self._seen_for(SINGLE_STEP))
 
-    def undo(self, now: float) -> None:
-        """One motion back, seen as one."""
-        self.scrub(self.cursor - 1, now)
-
     def scrub(self, motion: int, now: float | None = None) -> None:
         """To the moment after that many motions, if there is one; a runner that made fewer stays at its last."""
         if 0 <= motion <= self.last:

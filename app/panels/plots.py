@@ -94,11 +94,6 @@ def landscape(layout: Layout, model: PageModel) -> None:
             theta = model.snapshot.theta if on_its_way is None else on_its_way
             return model.landscape.made, model.snapshot, theta.tobytes()
 
-        def path_period(model: PageModel) -> float:
-            """Return 0 s, as for the images, while the arm moves or after a new landscape."""
-            at_once = model.displayed.interpolated_theta is not None or model.landscape.made is not drawn
-            return 0.0 if at_once else SLOW
-
         def draw_path(model: PageModel) -> None:
             nonlocal drawn
             drawn, session = model.landscape.made, model.session
@@ -107,7 +102,9 @@ def landscape(layout: Layout, model: PageModel) -> None:
                 on_its_way = model.displayed.interpolated_theta
                 put_html(path, drawn.picture.draw_path(session.history, session.cursor, on_its_way))
 
-        layout.drawing(path_key, draw_path, path_period)
+        # at once, as the images, while the arm moves or after a new landscape
+        at_once = lambda model: model.displayed.interpolated_theta is not None or model.landscape.made is not drawn
+        layout.drawing(path_key, draw_path, lambda model: 0.0 if at_once(model) else SLOW)
 
         def draw_preview(model: PageModel) -> None:
             moment = model.displayed.preview

@@ -39,11 +39,9 @@ def status(layout: Layout, model: PageModel) -> None:
         choices += "<kbd>Esc</kbd>" if choices else ""
         put_html(strip, draw_status(said, truth, choices, _outcome(model, said)))
 
-    def period(model: PageModel) -> float:
-        """Nobody reads faster what changes with every motion, and on the way."""
-        return SLOW if model.player.playing or model.displayed.interpolated_theta is not None else 0.0
-
-    layout.drawing(key, draw, period)
+    # nobody reads faster what changes with every motion, and on the way
+    moves = lambda model: model.player.playing or model.displayed.interpolated_theta is not None
+    layout.drawing(key, draw, lambda model: SLOW if moves(model) else 0.0)
 
 
 def show_fault(layout: Layout, text: str) -> None:

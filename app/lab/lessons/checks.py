@@ -45,7 +45,6 @@ def measure_table() -> Mapping[str, Mapping[str, str]]:
     return parse_toml(HERE.joinpath("measures.toml").read_bytes())
 
 
-@cache
 def measure_units() -> Mapping[str, str]:
     """Return the unit of each measure."""
     return {**measure_table()["browser"], **measure_table()["library"]}
@@ -173,7 +172,11 @@ def _of_ask(step: form.Step) -> Faults:
     ask = step.ask
     names = tuple(slider.name for slider in step.sliders)
     if isinstance(ask, form.Choice):
-        yield from _of_choice(ask)
+        right = sum(answer.right for answer in ask.answers)
+        if ask.right is None and right != 1:
+            yield ".ask.answers", f"one of them must have right = true, not {right}; or `right` names a measure"
+        elif ask.right is not None and right:
+            yield ".ask.answers", "none may have right = true where `right` names a measure"
     elif isinstance(ask, form.Place):
         yield from _of_asking_figure(step, ask.figure)
         if (ask.line is None) != (ask.on_line is None):
@@ -193,14 +196,6 @@ def _of_ask(step: form.Step) -> Faults:
         yield ".sliders", f"a pose has two joints: it needs the sliders {' and '.join(GUESS_SLIDERS)}"
     if not isinstance(ask, form.Pose) and any(name.startswith("guess ") for name in names):
         yield ".sliders", "the ghost arm is turned where its posture is asked for, with kind = 'pose'"
-
-
-def _of_choice(ask: form.Choice) -> Faults:
-    right = sum(answer.right for answer in ask.answers)
-    if ask.right is None and right != 1:
-        yield ".ask.answers", f"one of them must have right = true, not {right}; or `right` names a measure"
-    if ask.right is not None and right:
-        yield ".ask.answers", "none may have right = true where `right` names a measure"
 
 
 def _of_asking_figure(step: form.Step, name: str) -> Faults:

@@ -19,7 +19,7 @@ from viewimit.estimation.views import FourViews
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
 
-from . import circle, records, samples, sign
+from . import circle, records, sign
 from .circle import Followed
 from .situation import Situation
 
@@ -157,8 +157,8 @@ def _followed(of: Callable[[Followed], float], which: str) -> Callable[[Situatio
 
 
 def _median_motions(servo: str) -> Callable[[Situation], float]:
-    motions = lambda one: records.motions_to(records.run(one, servo), samples.RACE_GOAL)
-    return lambda situation: float(np.median(list(map(motions, samples.race_starts(situation)))))
+    motions = lambda one: records.motions_to(records.run(one, servo), records.RACE_GOAL)
+    return lambda situation: float(np.median(list(map(motions, records.race_starts(situation)))))
 
 
 def widest_deg(situation: Situation, below: float) -> float:
@@ -239,7 +239,7 @@ FACTS: Mapping[str, Fact] = {
     # jacobian
     "median steps of the gradient law": Fact(_median_motions("gradient-retuned"), missing="never", write="{:g}".format),
     "median steps of Broyden": Fact(_median_motions("broyden"), missing="never", write="{:g}".format),
-    "starts of the race": Fact(lambda situation: float(samples.RACE_STARTS), "", 0),
+    "starts of the race": Fact(lambda situation: float(records.RACE_STARTS), "", 0),
     # the eight questions
     "open with five points": Fact(_open(5), "°", 0),
     "open with ten points": Fact(_open(10), "°", 0),

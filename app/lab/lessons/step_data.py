@@ -20,7 +20,7 @@ from ..page import with_few_points
 from ..recording import described
 from . import facts
 from .format import Do, Item, Lesson, Slider, Step, figures_of, measures_in, measures_of, settings_of
-from .samples import sample_postures
+from .records import sample_postures
 from .situation import Situation
 
 DATA = ROOT / "lessons" / "data.json"

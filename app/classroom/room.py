@@ -205,11 +205,8 @@ class Room:
     def _may_try(self, browser: Browser) -> bool:
         """Whether a browser may type a code now: others at its address do not keep it from that."""
         assert browser.person is not None
-        allowed = browser.person.codes.take()
-        if not allowed or browser.person.key in self._stayed:
-            return allowed
         new = self._new_codes.setdefault(browser.place, TokenBucket(NEW_CODES_PER_S, NEW_CODES_AT_ONCE))
-        return new.take()
+        return browser.person.codes.take() and (browser.person.key in self._stayed or new.take())
 
     def _become_lecturer(self, browser: Browser, session: str) -> None:
         self._sessions.pop(session, None)

@@ -77,10 +77,8 @@ def class_pages(lessons: Mapping[str, Lesson], embed: Sequence[str]) -> dict[str
     """Return the pages by path: lessons in one page, with what a lecturer and students need, and the lab. A lecturer's
     own lessons take seconds, as they are computed."""
     styles = "\n".join((HERE / name).read_text("utf-8") for name in STYLES)
-    return {
-        "/": Page(lesson_page(lessons, ENTRY, styles, ways=WAYS), embed),
-        "/lab": Page(lab_page(ways=WAYS), embed),
-    }
+    texts = {"/": lesson_page(lessons, ENTRY, styles, ways=WAYS), "/lab": lab_page(ways=WAYS)}
+    return {path: Page(text, embed) for path, text in texts.items()}
 
 
 class ClassServer:
@@ -134,11 +132,8 @@ class ClassServer:
 
     def _address_of(self, connection: ServerConnection) -> str:
         """Where a browser is: of proxies that are trusted, what they say of it."""
-        peer, request, proxies = (
-            connection.remote_address,
-            connection.request,
-            self._trusted.replace(" ", "").split(","),
-        )
+        peer, request = connection.remote_address, connection.request
+        proxies = self._trusted.replace(" ", "").split(",")
         forwarded = "" if request is None else ",".join(request.headers.get_all("X-Forwarded-For"))
         chain = [*filter(None, forwarded.replace(" ", "").split(",")), peer[0] if peer else ""]
         while len(chain) > 1 and ("*" in proxies or _is_in(chain[-1], proxies)):
@@ -152,7 +147,13 @@ class ClassServer:
         browser = Browser(address, something.set)
         sending = asyncio.create_task(_send_all(connection, browser, something))
         try:
-            await self._receive_all(connection, browser)
+            try:
+                message = await asyncio.wait_for(connection.recv(), LIMITS.head_within)
+            except asyncio.TimeoutError:
+                raise Rejected("a websocket that says nothing") from None
+            while True:
+                await self._room.receive(browser, decode(message))
+                message = await connection.recv()
         except Rejected as error:
             log.warning("rejected from %s: %s", address, str(error).encode("unicode_escape").decode())
             await connection.close(CloseCode.POLICY_VIOLATION, str(error)[:100])
@@ -162,15 +163,6 @@ class ClassServer:
         finally:
             self._room.leave(browser)
             sending.cancel()
-
-    async def _receive_all(self, connection: ServerConnection, browser: Browser) -> None:
-        try:
-            message = await asyncio.wait_for(connection.recv(), LIMITS.head_within)
-        except asyncio.TimeoutError:
-            raise Rejected("a websocket that says nothing") from None
-        while True:
-            await self._room.receive(browser, decode(message))
-            message = await connection.recv()
 
 
 async def _send_all(connection: ServerConnection, browser: Browser, something: asyncio.Event) -> None:

@@ -48,7 +48,7 @@ def step(model: PageModel, *, now: float) -> None:
 
 def _undo_needs_camera(model: PageModel) -> bool:
     left = model.past.here
-    return left is not None and left.sensor == "rendered" != model.session.settings.sensor
+    return left is not None and left.shown.settings.sensor == "rendered" != model.session.settings.sensor
 
 
 @command("undo", moves=True, cancels=True, camera=_undo_needs_camera)
@@ -63,7 +63,7 @@ def undo(model: PageModel, *, now: float) -> None:
         model.player.scrub(model.player.cursor - 1, now)
     else:
         model.undoable.bring_back(left)
-        parts = [left.preset.name, count_motions(left.motions)]
+        parts = [left.preset.name, count_motions(left.runs[0][0][-1].motion)]
         if model.points.on:
             parts.append(count_points(len(model.session.world.body)))
         model.say(f"Back is what was here before: {', '.join(parts)}.", now + MESSAGE_S)

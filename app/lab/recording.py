@@ -65,7 +65,8 @@ def record(session: Session, motions: Sequence[int], chosen: int | None) -> dict
     recorded = []
     for moment in snapshots:
         views, recovered = moment.views, silhouettes.bodies(moment.theta_demo, moment.theta, moment.transfer).recovered
-        seen, own_seen = (_flags(pair) for pair in np.split(views.visible, 2, 1))
+        flags = lambda pair: "" if pair.all() else "".join(map(str, pair.astype(int).ravel()))
+        seen, own_seen = map(flags, np.split(views.visible, 2, 1))
         demo = {"theta": _angles(moment.theta_demo), "images": _pixels(views.demo), "seen": seen}
         recorded.append(
             {
@@ -236,7 +237,3 @@ def _pixels(values: NDArray[np.float64]) -> list[int | None]:
 
 def _angles(theta: NDArray[np.float64]) -> list[int]:
     return (np.nan_to_num(np.asarray(theta, float)) * RAD).round().astype(int).tolist()
-
-
-def _flags(seen: NDArray[np.bool_]) -> str:
-    return "" if seen.all() else "".join(map(str, seen.astype(int).ravel()))

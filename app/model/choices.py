@@ -73,9 +73,7 @@ AMOUNTS = {amount.name: amount for amount in (*OF_IMAGES, *OF_ARMS)}
 # Which joints imitate: those of the scene, as the paper's two, or all of the robot's.
 
 MANY_POINTS = 16  # that more joints than the scene's need at least
-WORDS = (
-    "none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine",
-)  # fmt: skip
+WORDS = "none one two three four five six seven eight nine".split()
 
 
 def joint_choices(settings: Settings) -> dict[str, tuple[int, ...] | None]:

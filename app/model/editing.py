@@ -145,14 +145,10 @@ class UndoEntry:
     speed: float  # motions a second
 
     @property
-    def motions(self) -> int:
-        """Of the learner."""
-        return self.runs[0][0][-1].motion
-
-    @property
-    def sensor(self) -> str:
+    def shown(self) -> Snapshot:
+        """The learner's."""
         snapshots, cursor, _log = self.runs[0]
-        return snapshots[cursor].settings.sensor
+        return snapshots[cursor]
 
 
 class UndoStack:

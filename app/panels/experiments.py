@@ -46,7 +46,7 @@ def experiments(layout: Layout, model: PageModel) -> None:
             has = lambda what: lambda model: bool(getattr(model.experiments.shown, what, None))
             layout.button(look, "imitation", visible=has("imitation"))
             layout.button(("Download figure and data", Icon.DOWNLOAD), "download", enabled=has("archive"))
-        layout.html(lambda model: POINTS_ONLY if model.experiments.ignores_pictures else "")
+        layout.html(lambda model: POINTS_ONLY if model.settings.sensor == "rendered" else "")
         figure, claims = layout.gui.add_html(""), layout.gui.add_html("")
         layout.gui.add_html(asks(("Q", "bias", "basin")))
 

@@ -74,12 +74,12 @@ add("fit_view", lambda model: model.show(fits=model.view.fits + 1), order_indepe
 @command("construction", order_independent=True, link=True)
 def build_up(model: PageModel, *, now: float) -> None:
     """Show step by step how the chosen point is recovered; once more: all at once."""
-    if model.display.construction.goes_on:
-        model.display.construction.end()
+    if model.display.construction_began is not None:
+        model.display.construction_began = None
         return
     if model.view.chosen is None:
         next_point(model)
-    model.display.construction.begin(now)
+    model.display.construction_began = now
 
 
 @command("large", order_independent=True, link=True)

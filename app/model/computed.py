@@ -32,7 +32,6 @@ class OwnLandscape:
     def __init__(self, beside: Callable[..., None]):
         self._beside = beside
         self._asked: tuple | None = None
-        self._seen: tuple | None = None  # what the key of the last moment was made of
         self._begun: Snapshot | None = None  # the first moment in the world
         self._about: Snapshot | None = None  # the moment that was asked for last
         self.made: MadeLandscape | None = None
@@ -42,10 +41,6 @@ class OwnLandscape:
         if self.made is None or self.made.world is not world:
             self._begun = present
             self.made = _without_landscape(world, present)
-        seen = world, present.settings, present.rectification is not None, present.correspondences
-        if seen == self._seen:  # the very same settings mostly, which are soon compared
-            return
-        self._seen = seen
         asked = world, *landscape_key(present)
         if asked != self._asked:
             self._asked, self._about = asked, present

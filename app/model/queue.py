@@ -291,6 +291,11 @@ def one_of(options: Any, refusal: str) -> Callable[[object], Any]:
     return parse
 
 
+def titled(entries: Mapping[str, Any], what: str) -> Callable[[object], Any]:
+    """Return a parser that takes the title of an entry of a registry, and returns its name."""
+    return one_of(lambda: {entry.title: name for name, entry in entries.items()}, f"there is no {what} {{value}}")
+
+
 PARSERS: dict[type, Callable[[Any], Any]] = {int: whole, float: number, bool: switch, str: text}
 
 

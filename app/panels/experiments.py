@@ -97,7 +97,7 @@ def draw_verdict(run: Run | None) -> str:
     if run is None or not run.claims:
         return ""
     head = "".join(f"<th>{words}</th>" for words in ("claim", "paper", "here", "tolerance", "holds"))
-    rows = "".join(_row(claim) for claim in run.claims)
+    rows = "".join(map(_row, run.claims))
     said = f"<p><b>{svg.escape(verdict(run.claims))}</b></p>"
     return f'<div class="vi-claims">{said}<table><tr>{head}</tr>{rows}</table></div>'
 

@@ -58,7 +58,9 @@ class Fixtures:
         self._pictures: dict[str, ImageHandle] = {}  # on the plates
         self._shown: dict[str, bytes | None] = {}  # what they show
         for solid in geometry.solids(world):
-            self._add_solid(solid)
+            place: dict[str, Any] = {"position": solid.position, "wxyz": quaternion(solid.turn)}
+            add, colour = client.scene.add_mesh_simple, getattr(self._look, solid.colour)
+            nodes.keep(add(f"/stage/{solid.name}", solid.vertices, solid.faces, color=colour, **place))
         for label in geometry.labels(world):
             node, line = f"/stage/{label.name}", geometry.LINE * self._size
             nodes.keep(add_text(client.scene, node, label.text, label.role, dark, label.position, line))
@@ -76,11 +78,6 @@ class Fixtures:
                 self._pictures[view].visible = picture is not None
                 if picture is not None:
                     viser_private.push_jpeg(self._pictures[view], picture)
-
-    def _add_solid(self, solid: geometry.Solid) -> None:
-        add, colour = self._client.scene.add_mesh_simple, getattr(self._look, solid.colour)
-        place: dict[str, Any] = {"position": solid.position, "wxyz": quaternion(solid.turn)}
-        self._nodes.keep(add(f"/stage/{solid.name}", solid.vertices, solid.faces, color=colour, **place))
 
     def _add_frustum(self, name: str, camera: Camera, role: str) -> None:
         plate = geometry.on_plate(camera, geometry.corners(camera), self._size)

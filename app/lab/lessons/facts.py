@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 
 from viewimit.analysis.landscape import conflict_at, seen_from
-from viewimit.analysis.observability import residual_jacobian, unobservable_joints
+from viewimit.analysis.observability import unobservable_joints
 from viewimit.drawing import svg
-from viewimit.estimation.views import FourViews
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
 
@@ -106,22 +105,10 @@ def _cloud_direction(situation: Situation) -> float:
     spread, directions = np.linalg.eigh(np.cov(one.T))
     if np.sqrt(spread[-1] / spread[0]) < ROUND_RATIO:
         return 3.0
-    flattest = _hessian_directions(situation)[:, 0]
+    J = records.jacobian(situation, True)
+    flattest = np.linalg.eigh(J.T @ J)[1][:, 0]  # of the curvature of E
     angle = np.degrees(np.arccos(min(abs(float(directions[:, -1] @ flattest)), 1.0)))
     return 1.0 if angle < ALONG_DEG else 2.0 if angle > 90 - ALONG_DEG else 3.0
-
-
-def _hessian_directions(situation: Situation) -> records.Array:
-    """Eigenvectors of the curvature of E at the demonstrator's posture as columns, the flattest first."""
-    world, start = situation.world, situation.start
-    demo, _ = world.demo_images(start.theta_demo)
-
-    def at(postures: records.Array) -> records.Array:
-        views = FourViews(demo, world.own_images(postures.T)[0], np.ones(1, bool))
-        return start.fit(views).residual(views)
-
-    J = residual_jacobian(at, start.theta_demo)
-    return np.linalg.eigh(J.T @ J)[1]
 
 
 def _scatter(frames: int, joint: int) -> Callable[[Situation], float]:

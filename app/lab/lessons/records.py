@@ -157,16 +157,21 @@ def costs(situation: Situation) -> Array:
 def shown_px(situation: Situation, joint: int, by_arrows: bool) -> float:
     """How far a degree of a joint moves the arrows, or the own images, at the demonstrator's posture: px, root mean
     square over points and images."""
+    J = np.radians(1) * jacobian(situation, by_arrows)[:, joint]
+    return float(np.sqrt(2 * np.mean(J**2)))
+
+
+def jacobian(situation: Situation, of_arrows: bool) -> Array:
+    """Of the arrows, or of the own images, by the joints at the demonstrator's posture."""
     world, start = situation.world, situation.start
     demo, _ = world.demo_images(start.theta_demo)
 
     def at(postures: Array) -> Array:
         own, _ = world.own_images(postures.T)
         views = FourViews(demo, own, np.ones(1, bool))
-        return start.fit(views).residual(views) if by_arrows else own
+        return start.fit(views).residual(views) if of_arrows else own
 
-    J = np.radians(1) * residual_jacobian(at, start.theta_demo)[:, joint]
-    return float(np.sqrt(2 * np.mean(J**2)))
+    return residual_jacobian(at, start.theta_demo)
 
 
 def signpost_cosine(views: FourViews, recovered: Array, goal: Array) -> float:

@@ -9,7 +9,6 @@ from pathlib import Path
 from viewimit.options import DONE, BadInput
 
 CLONE = Path(__file__).parents[2]
-SOURCES = CLONE / "docs"  # of the documentation
 SITE = CLONE / "build" / "site"  # where `viewimit docs` looks for what `viewimit site` wrote
 
 
@@ -21,11 +20,16 @@ def run(args: argparse.Namespace) -> int:
     built = SITE / "docs" / "index.html"
     where = built.as_uri() if built.is_file() else published()
     if where is None:
-        raise BadInput(how_to_build(SOURCES / "build.py", f"viewimit site {SITE}"))
+        raise BadInput(how_to_build(sources() / "build.py", f"viewimit site {SITE}"))
     print(built if built.is_file() else where)
     if not args.only_print and not webbrowser.open(where):
         print("viewimit docs: no browser is found; open that address with one", file=sys.stderr)
     return DONE
+
+
+def sources() -> Path:
+    """Return the folder from which the documentation of a clone is built."""
+    return CLONE / "docs"
 
 
 def published() -> str | None:

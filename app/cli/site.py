@@ -8,7 +8,7 @@ from pathlib import Path
 
 from viewimit.options import DONE, BadInput, naming
 
-from .docs import SOURCES, how_to_build
+from .docs import how_to_build, sources
 
 LESSONS, DOCUMENTATION = "learn", "docs"  # folders of the site, beside the lab, which is its first page
 UNTOUCHED = ".nojekyll"  # GitHub Pages then leaves names with underscores as they are
@@ -20,7 +20,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     folder: Path = args.folder
-    build = SOURCES / "build.py"
+    build = sources() / "build.py"
     if not build.is_file() or find_spec("sphinx") is None:
         raise BadInput(how_to_build(build, f"viewimit site {folder}"))
     with naming("DIR"):

@@ -180,9 +180,8 @@ def angle_ticks(low: float, high: float, spacing: float = 0.0) -> list[Tick]:
     span = high - low
     step = 45 if span > 130 or span == 90 else 30 if span > 45 else 15
     step = next((wider for wider in (step, 90, 180) if wider >= spacing), 180)
-    return [
-        (float(angle), svg.number(angle, 0) + "°") for angle in np.arange(np.ceil(low / step) * step, high + 1e-9, step)
-    ]
+    angles = np.arange(np.ceil(low / step) * step, high + 1e-9, step).tolist()
+    return [(float(angle), svg.number(angle, 0) + "°") for angle in angles]
 
 
 def linear_ticks(low: float, high: float, most: int = 4) -> list[Tick]:
@@ -190,9 +189,8 @@ def linear_ticks(low: float, high: float, most: int = 4) -> list[Tick]:
     power = 10.0 ** np.floor(np.log10((high - low) / most))
     step = next(nice * power for nice in NICE if nice * power * most >= (high - low) * (1 - 1e-9))
     digits = max(0, -int(np.floor(np.log10(step))))
-    return [
-        (float(value), svg.number(value, digits)) for value in np.arange(np.ceil(low / step) * step, high + 1e-9, step)
-    ]
+    values = np.arange(np.ceil(low / step) * step, high + 1e-9, step).tolist()
+    return [(value, svg.number(value, digits)) for value in values]
 
 
 # Experiments' figures
@@ -239,15 +237,13 @@ def style_of(name: str, names: Iterable[str]) -> Style:
 
 def figure(settings: Settings | None, inside: str, extra: str = "", height: float = HEIGHT) -> str:
     """Wrap a drawing in an `<svg>` with a caption of its settings. extra: further words of the caption; height: px."""
-    words = _caption(" · ".join(filter(None, (describe_settings(settings), extra)))) if settings else ""
-    return f'<svg class="vi vi-figure" viewBox="0 0 {WIDTH} {height:g}">{words}{inside}</svg>'
-
-
-def _caption(words: str) -> str:
-    """Draw a caption; long ones are condensed, and very long ones cut off."""
-    words = words if len(words) <= MAX_CAPTION else words[: MAX_CAPTION - 1] + "…"
-    fitted = f' textLength="{WIDTH}" lengthAdjust="spacingAndGlyphs"' if CHARACTER * len(words) > WIDTH else ""
-    return f'<text class="vi-2nd" x="0" y="10"{fitted}>{svg.escape(words)}</text>'
+    caption = ""
+    if settings is not None:  # long captions are condensed, and very long ones cut off
+        words = " · ".join(filter(None, (describe_settings(settings), extra)))
+        words = words if len(words) <= MAX_CAPTION else words[: MAX_CAPTION - 1] + "…"
+        fitted = f' textLength="{WIDTH}" lengthAdjust="spacingAndGlyphs"' if CHARACTER * len(words) > WIDTH else ""
+        caption = f'<text class="vi-2nd" x="0" y="10"{fitted}>{svg.escape(words)}</text>'
+    return f'<svg class="vi vi-figure" viewBox="0 0 {WIDTH} {height:g}">{caption}{inside}</svg>'
 
 
 def describe_settings(settings: Settings) -> str:
@@ -275,5 +271,4 @@ def sentence(words: Sequence[str], x: float, y: float) -> str:
 
 def _squares(places: Floats, size: float) -> str:
     d = f"{2 * size:g}"
-    form = f"M%.1f %.1fm-{size:g}-{size:g}h{d}v{d}h-{d}z"
-    return form * len(places) % tuple(places.ravel().tolist())
+    return svg.filled(f"M%s %sm-{size:g}-{size:g}h{d}v{d}h-{d}z" * len(places), places)

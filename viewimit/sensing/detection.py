@@ -123,7 +123,7 @@ def read_pictures(path: Path) -> Iterator[Picture]:
 
     require_file(path, MAX_BYTES)
     if path.suffix.lower() in PICTURES:
-        _require_size(path)
+        _require_pixels(path, *_picture_size(path))
         pages = max(cv2.imcount(str(path), cv2.IMREAD_COLOR), 1) if path.suffix.lower() in SEVERAL else 1
         for page in range(pages):
             read_all, found = cv2.imreadmulti(str(path), page, 1, flags=cv2.IMREAD_COLOR) if pages > 1 else (True, ())
@@ -150,18 +150,17 @@ def frame_rate(path: Path) -> float | None:
     return rate if 0 < rate < np.inf else None
 
 
-def _require_size(path: Path) -> None:
-    """Raise ValueError for a picture that is too large, before it is decompressed."""
+def _picture_size(path: Path) -> tuple[int, int]:
+    """Width and height of a picture, before it is decompressed. Raises ValueError."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # Pillow has a bound of its own
             with Image.open(path) as picture:
-                size = picture.size
+                return picture.size
     except Image.DecompressionBombError:
         raise ValueError(f"{path}: a picture of more than {MAX_PIXELS / 1e6:g} megapixels: make it smaller") from None
     except (OSError, ValueError, SyntaxError, TypeError, struct.error):
         raise ValueError(f"{path}: not a picture that OpenCV reads") from None
-    _require_pixels(path, *size)
 
 
 def _require_pixels(path: Path, width: int, height: int) -> None:
@@ -228,10 +227,7 @@ def _marker_by_hue(hue_deg: Floats) -> NDArray[np.int_]:
     separation = np.abs((hue_deg[:, None] - hue_deg + 180) % 360 - 180)
     np.fill_diagonal(separation, 180.0)
     nearest = difference.argmin(-1)
-    close = (
-        np.take_along_axis(difference, nearest[..., None], -1)[..., 0] <= MAX_HUE_FRACTION * separation.min(-1)[nearest]
-    )
-    return np.where(close, nearest, -1)
+    return np.where(difference.min(-1) <= MAX_HUE_FRACTION * separation.min(-1)[nearest], nearest, -1)
 
 
 def _disc(chroma: Floats) -> tuple[Floats, float, float]:

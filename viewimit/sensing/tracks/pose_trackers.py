@@ -63,7 +63,7 @@ def read_deeplabcut_csv(path: Path, individual: str | None) -> Track:
         cells = table.filled(line, cells, len(parts))
         if not frames and not any(map(str.strip, cells[first:])) and not DIGITS.search(cells[first - 1]):
             continue  # the name of pandas' index
-        frames.append(table.frame(labels, line, "1", cells[first - 1]))
+        frames.append(table.whole(line, "1", cells[first - 1], labels.add))
         numbers.append(
             [_cell(table, line, first + k + 1, one, text) for k, (one, text) in enumerate(zip(headings, cells[first:]))]
         )
@@ -281,7 +281,7 @@ def read_sleap_csv(path: Path, individual: str | None) -> Track:
     for (line, cells), track in zip(read, tracks):
         if track != chosen:
             continue
-        frame = table.frame(rows.labels, line, FRAME, cells[at[FRAME]])
+        frame = table.whole(line, FRAME, cells[at[FRAME]], rows.labels.add)
         for node in nodes:
             x, y = (table.number(line, node + axis, cells[at[node + axis]], np.nan) for axis in (X, Y))
             names = [node + ending for ending in endings]

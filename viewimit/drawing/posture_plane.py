@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..loop.snapshot import Snapshot
 from ..simulation.scene import Scene
 from . import svg
-from .labels import CHARACTER, Label, Labels, PlacedLabel, Rectangle, beside, places_beside, text_at
+from .labels import CHARACTER, Label, Labels, PlacedLabel, Rectangle, beside, line_rectangles, places_beside, text_at
 from .plots import Axes, angle_ticks
 
 Floats = NDArray[np.float64]
@@ -195,7 +195,7 @@ class PathLabels:
                 points = self._plane.place(np.degrees([before, here]))  # it has grown by one motion
             else:
                 self._line = self._plane.labels.copy()
-            self._line.take_line(points, CLEARANCE)
+            self._line.take(*line_rectangles(points, CLEARANCE))
             self._free, self._path = self._place(self._line.copy(), start, here, cursor), path
         own, _ = self._own(self._free, here if theta is None else theta, cursor)
         return "".join([label.drawn for label in self._placed.values()]) + own

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
+from ..geometry.components import connected_components
 from .files import MEGABYTE, require_file
 
 SEVERAL = (".tif", ".tiff", ".webp")  # which may hold several pictures
@@ -192,7 +193,7 @@ def _blobs(which: NDArray[np.int_]) -> Iterator[tuple[int, tuple[slice, slice], 
     """Find connected pixels of one number, neighbours at corners included; negative ones belong to no blob.
 
     Yields the number, the bounding box, and which of its pixels belong to the blob. Runs of pixels in a row are joined
-    with the runs that they touch in the next row, until all that are connected have the lowest label among them.
+    with the runs that they touch in the next row.
     """
     width = which.shape[1] + 2
     flat = np.pad(which, 1, constant_values=-1).ravel()  # no run goes on in the next row
@@ -202,14 +203,7 @@ def _blobs(which: NDArray[np.int_]) -> Iterator[tuple[int, tuple[slice, slice], 
     for below in (width - 1, width, width + 1):
         upper = pixel[flat[pixel] == flat[pixel + below]]
         touching.append(np.stack([run[upper], run[upper + below]]))
-    label, (one, other) = np.arange(run[-1] + 1), np.concatenate(touching, 1)
-    while (label[one] != label[other]).any():
-        lowest = np.minimum(label[one], label[other])
-        for ends in (label[one], label[other]):
-            np.minimum.at(label, ends, lowest)
-        while (label[label] != label).any():
-            label = label[label]
-    owner = label[run[pixel]]
+    owner = connected_components(run[-1] + 1, *np.concatenate(touching, 1))[run[pixel]]
     order = np.argsort(owner, kind="stable")
     owner, (row, column) = owner[order], np.divmod(pixel[order], width) - np.ones((2, 1), int)
     for begin, end in pairwise([*np.flatnonzero(np.diff(owner, prepend=-1)), len(owner)]):

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, wraps
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +37,12 @@ def log10(values: ArrayLike) -> Floats:
     """Return logarithms for a logarithmic axis; NaN for values below MIN_POSITIVE."""
     values = np.asarray(values, float)
     return np.log10(np.where(values > MIN_POSITIVE, values, np.nan))
+
+
+def _kept(draw: Callable[..., str]) -> Callable[..., str]:
+    """Keep what is drawn: the same axes are drawn for many motions, and their words take longer than the curve."""
+    kept = lru_cache(256)(draw)
+    return wraps(draw)(lambda axes, ticks, *more: kept(axes, tuple(ticks), *more))
 
 
 @dataclass(frozen=True)
@@ -87,17 +93,23 @@ class Axes:
             f'<tspan class="vi-2nd" dx="5">{svg.escape(note)}</tspan></text>'
         )
 
+    @_kept
     def rules(self, ticks: Iterable[Tick]) -> str:
         """Draw a horizontal line at each tick."""
-        return _rules(self, tuple(ticks))
+        lines = (f"M{self.left:.1f} {self.y_px(value):.1f}H{self.right:.1f}" for value, __ in ticks)
+        return f'<path class="vi-rule" d="{"".join(lines)}"/>'
 
+    @_kept
     def beside(self, ticks: Iterable[Tick], gap: float = GAP) -> str:
         """Draw the ticks' words left of the plot."""
-        return _beside(self, tuple(ticks), gap)
+        places = [(float(self.y_px(value)) + 4, words) for value, words in ticks]
+        return "".join(svg.text(self.left - gap, y, words, "vi-2nd vi-end") for y, words in places)
 
+    @_kept
     def below(self, ticks: Iterable[Tick], drop: float = 13) -> str:
         """Draw the ticks' words below the plot."""
-        return _below(self, tuple(ticks), drop)
+        places = [(float(self.x_px(value)), words) for value, words in ticks]
+        return "".join(svg.text(x, self.bottom + drop, words, "vi-2nd vi-mid") for x, words in places)
 
     def line(self, x: ArrayLike, y: ArrayLike, classes: str) -> str:
         """Draw a line through points; "" if none has a place."""
@@ -119,27 +131,6 @@ class Axes:
     def _ends(self) -> tuple[tuple[float, float], tuple[float, float]]:
         (left, right), (low, high) = self.across(self.x).tolist(), self.up(self.y).tolist()
         return (left, right), (low, high)
-
-
-# the same axes are drawn for many motions, and their words take longer than the curve
-@lru_cache(256)
-def _rules(axes: Axes, ticks: tuple[Tick, ...]) -> str:
-    lines = "".join(f"M{axes.left:.1f} {axes.y_px(value):.1f}H{axes.right:.1f}" for value, __ in ticks)
-    return f'<path class="vi-rule" d="{lines}"/>'
-
-
-@lru_cache(256)
-def _beside(axes: Axes, ticks: tuple[Tick, ...], gap: float) -> str:
-    return "".join(
-        svg.text(axes.left - gap, float(axes.y_px(value)) + 4, words, "vi-2nd vi-end") for value, words in ticks
-    )
-
-
-@lru_cache(256)
-def _below(axes: Axes, ticks: tuple[Tick, ...], drop: float) -> str:
-    return "".join(
-        svg.text(float(axes.x_px(value)), axes.bottom + drop, words, "vi-2nd vi-mid") for value, words in ticks
-    )
 
 
 def spread_heights(heights: Sequence[float], top: float, bottom: float) -> list[float]:

@@ -53,7 +53,10 @@ def image_windows(reach: Mapping[str, Floats], frame: tuple[int, int]) -> Window
     windows: Windows = {False: {}, True: {}}
     for whole, boxes in SIZES.items():
         for pair in ("lr", "LR"):
-            spans = {view: _span(reach[view], frame, whole) for view in pair}
+            spans = {view: np.array([(0, 0), frame], float) for view in pair}
+            for view in pair if not whole else ():
+                if len(reach[view]):
+                    spans[view] = np.array([reach[view].min(0), reach[view].max(0)])
             around = 0 if whole else 2 * MARGIN
             rooms = ((np.array(boxes[view]) - around) / np.maximum(np.ptp(spans[view], 0), 1.0) for view in pair)
             scale = min(room.min() for room in rooms)
@@ -71,12 +74,6 @@ def holds(windows: Windows, points: Mapping[str, Floats]) -> bool:
     shown = windows[False]
     places = [(seen - shown[view][:2]) / shown[view][2:4] for view, seen in points.items()]
     return all(((place >= 0) & (place <= 1)).all() for place in places)
-
-
-def _span(points: Floats, frame: tuple[int, int], whole: bool) -> tuple[Floats, Floats]:
-    if whole or len(points) == 0:
-        return np.zeros(2), np.array(frame, float)
-    return points.min(0), points.max(0)
 
 
 def _free_corners(places: dict[str, Floats]) -> tuple[bool, bool]:

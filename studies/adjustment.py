@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from viewimit import Session, Settings
+from viewimit import Session, Settings, load_scene
 from viewimit.loop.learner import demonstrator_average
 
 Floats = NDArray[np.float64]
@@ -113,7 +113,6 @@ class Problem:
     def first_body(self) -> Floats:
         """Cameras, and screws and points by triangulation, from visits that turned one joint more than another."""
         points, screws = triangulate(self.first, self.own[0]), list[Floats]()
-        points = points if np.median(points[:, 2]) > 0 else -points
         for joint, (visit, _) in enumerate(probes(self.displacement)):
             beyond, before = self.moved_by > joint, np.eye(4)
             for k in range(joint):
@@ -134,9 +133,11 @@ def probes(displacement: Floats) -> list[tuple[int, int]]:
     return [next(pair for pair in pairs if alone(pair).tolist() == [j == k for j in joints]) for k in joints]
 
 
-def solve(displacement: Floats, own: Floats, demo: Floats, noise: tuple[float, float], limits: Floats) -> Floats:
-    """Angles of the demonstrator, (m,) rad, as displacements. limits: (m, 2) rad."""
-    width, height, m = 640, 240, displacement.shape[1]
+def solve(
+    displacement: Floats, own: Floats, demo: Floats, noise: tuple[float, float], limits: Floats, size: tuple[int, int]
+) -> Floats:
+    """Angles of the demonstrator, (m,) rad, as displacements. limits: (m, 2) rad; size: of the pictures [px]."""
+    (width, height), m = size, displacement.shape[1]
     moves = [
         np.abs(own[a] - own[b]).max(1) > max(MOVED_SIGMA * noise[0], MIN_MOVED_PX) for a, b in probes(displacement)
     ]
@@ -174,7 +175,8 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=80, help="number of drawn poses (%(default)s)")
     parser.add_argument("--seed", type=int, default=71, help="of the draws (%(default)s)")
     args = parser.parse_args()
-    rng, low, high = np.random.default_rng(args.seed), [0, -180], [90, 0]
+    rng, scene = np.random.default_rng(args.seed), load_scene(Settings().scene)
+    low, high = np.transpose(scene.range_deg)
     errors = []
     for number in range(args.runs):
         demonstrator, start = (tuple(rng.uniform(low, high)) for _ in range(2))
@@ -187,8 +189,8 @@ def main() -> None:
         demo, demo_px = (now.views.demo, noise_px) if average is None or average_px is None else (average, average_px)
         displacement = np.array([one.theta for one in history]) - history[0].theta
         own = np.array([one.views.own for one in history])
-        limits = np.radians(np.transpose([low, high])) - history[0].theta[:, None]
-        theta = history[0].theta + solve(displacement, own, demo, (noise_px, demo_px), limits)
+        limits = np.radians(scene.range_deg) - history[0].theta[:, None]
+        theta = history[0].theta + solve(displacement, own, demo, (noise_px, demo_px), limits, scene.head.image)
         off = [float(np.degrees(np.abs(one - now.theta_demo).max())) for one in (now.theta, theta)]
         errors.append(off)
         print(f"run {number}: {now.status.value} after {now.motion} steps, {off[0]:.3f}° off; adjustment {off[1]:.3f}°")

@@ -1,12 +1,11 @@
-"""All servo laws side by side, from the same draws.
+"""The study `compare`. The laws that descend once begin again by `Restarts`.
 
-    python studies/compare.py bench compare --csv docs/comparison.csv
-
-An oracle is given the URDF and the calibrated cameras. The laws that descend once begin again by `Restarts`.
+python studies/compare.py bench compare --csv docs/comparison.csv
 """
 
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 
 from calibrated import ORACLES, CalibratedServo
@@ -36,7 +35,7 @@ def as_compared(draw: Draw, opened: Callable[[Draw], Session]) -> Session:
     method = draw.law or SERVOS[name]
     if name in ORACLES:
         oracle = CalibratedServo(ORACLES[name], seed)
-        draw.law = ServoMethod(servo=oracle, mirror_columns=True)
+        draw.law = replace(method, servo=oracle)
         session = opened(draw)
         oracle.attach(session)
         return session

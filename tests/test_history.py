@@ -40,7 +40,8 @@ def test_a_moment_is_found_by_its_motion_and_the_cursor_is_on_the_last():
 
 def test_undo_and_scrub_stay_within_the_history_and_drop_nothing():
     history = written(3)
-    assert history.undo() and history.undo() and history.undo() and not history.undo() and history.cursor == 0
+    back = lambda: history.scrub(history.cursor - 1)
+    assert back() and back() and back() and not back() and history.cursor == 0
     assert not history.scrub(-1) and not history.scrub(4) and history.cursor == 0
     assert history.scrub(3) and history.present.motion == 3 and len(history) == 4
 
@@ -54,4 +55,4 @@ def test_after_the_first_motions_every_stride_th_of_old_ones_stands_for_those_af
     assert [one.motion for one in history] == stands
     assert len(set(map(id, history))) == len(set(stands))
     assert history.scrub(EARLY + STRIDE + 3) and history.cursor == EARLY + STRIDE
-    assert history.undo() and history.cursor == EARLY and history.undo() and history.cursor == EARLY - 1
+    assert history.scrub(history.cursor - 1) and history.cursor == EARLY

@@ -71,7 +71,10 @@ def add_settings(parser: argparse.ArgumentParser, *names: str, defaults: Setting
     """
     for name in names:
         field, value = FIELDS[name], getattr(defaults, name)
-        says = helps.get(name) or f"{_described(name, field)} ({_default(field, value)})"
+        default = f"{value:g}" if isinstance(value, float) else str(value)
+        says = (
+            helps.get(name) or f"{_described(name, field)} ({isinstance(field, Setting) and field.default or default})"
+        )
         kind = PARSERS.get(name) or TYPES[HINTS[name]]
         choices = field.choices if name == "rectify" and isinstance(field, Setting) else None
         metavar = None if choices else field.unit.upper() or "NAME"
@@ -89,11 +92,6 @@ def _described(name: str, field: Setting | Disturbance) -> str:
     return field.description + more + (f": {', '.join(listed)}" if listed and name != "rectify" else "")
 
 
-def _default(field: Setting | Disturbance, value: object) -> str:
-    words = field.default if isinstance(field, Setting) else ""
-    return words or (f"{value:g}" if isinstance(value, float) else str(value))
-
-
 def add_chain_options(parser: argparse.ArgumentParser) -> None:
     """Add the options that select the arm in a URDF, and where its meshes may be."""
     parser.add_argument("--base", metavar="LINK", help="first link of a .urdf file's arm (its root)")
@@ -105,25 +103,40 @@ def add_chain_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def radial(text: str) -> tuple[float, float]:
+def listed(convert: Callable[[str], Any], needs: str) -> Callable[[str], tuple]:
+    """Make a type for argparse: values separated by commas. needs: what they are, with an example."""
+
+    def parse(text: str) -> tuple:
+        try:
+            return tuple(map(convert, text.split(",")))
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"needs {needs}, got {text!r}") from None
+
+    return parse
+
+
+def joints(text: str) -> tuple[int, ...] | str:
+    """A type for argparse: numbers separated by commas, or all."""
+    return text if text == ALL else listed(int, "joints such as 2,4, or all")(text)
+
+
+def radial(text: str) -> tuple[float, ...]:
     """A type for argparse: k1 and k2."""
-    k1, k2 = _numbers(text, 2, "-0.05,0.01")
+    needs = "2 numbers such as -0.05,0.01"
+    found = listed(float, needs)(text)
+    if len(found) != 2 or not np.isfinite(found).all():
+        raise argparse.ArgumentTypeError(f"needs {needs}, got {text!r}")
     try:
-        RadialDistortion(k1, k2)
+        RadialDistortion(*found)
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
-    return k1, k2
-
-
-def _numbers(text: str, count: int, such_as: str) -> tuple[float, ...]:
-    """Finite ones, separated by commas."""
-    try:
-        found = tuple(float(word) for word in text.split(","))
-    except ValueError:
-        found = ()
-    if len(found) != count or not np.isfinite(found).all():
-        raise argparse.ArgumentTypeError(f"needs {count} numbers such as {such_as}, got {text!r}")
     return found
+
+
+def range_of(text: str) -> tuple[float, float]:
+    """Read low:high. Raises ValueError."""
+    low, high = text.split(":")
+    return float(low), float(high)
 
 
 def add_view_options(parser: argparse.ArgumentParser, says: str, **kind: Any) -> None:
@@ -150,29 +163,12 @@ def add_json_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
-def add_unmatched_option(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--unmatched",
-        dest="matched",
-        action="store_false",
-        default=None,
-        help="the demonstrator's points come in an unknown order; find out which is which",
-    )
-
-
 def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Settings:
     """Settings from the options that were given, and defaults for the rest. Raises BadInput that names the option."""
     asked = choose_bodies(args)
     del args.base, args.tip, args.meshes  # the robot's name says them now
     settings = defaults
-    later = (
-        "scene",
-        "robot",
-        "joints",
-        "points",
-        "demonstrator_deg",
-        "start_deg",
-    )  # checked with the scene, below
+    later = ("scene", "robot", "joints", "points", "demonstrator_deg", "start_deg")  # checked with the scene, below
     for name, value in vars(args).items():
         if name in FIELDS and name not in later and value is not None:
             with naming(option(name)):
@@ -210,14 +206,7 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
     with naming("--start"):
         start_deg = scene.start_deg if postures["start_deg"] is None else postures["start_deg"]
         require_in_workspace(np.radians(start_deg), low, high, "the start")
-    return msgspec.structs.replace(
-        settings,
-        scene=chosen,
-        robot=args.robot,
-        joints=freed,
-        points=points,
-        **postures,
-    )
+    return msgspec.structs.replace(settings, scene=chosen, robot=args.robot, joints=freed, points=points, **postures)
 
 
 def choose_bodies(args: argparse.Namespace) -> str:
@@ -306,35 +295,11 @@ def between(convert: Callable, low: float, high: float) -> Callable:
     return number
 
 
-def joints(text: str) -> tuple[int, ...] | str:
-    """A type for argparse: numbers separated by commas, or all."""
-    if text == ALL:
-        return text
-    try:
-        return tuple(int(word) for word in text.split(","))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"needs joints such as 2,4, or all, got {text!r}") from None
-
-
-def angles(text: str) -> tuple[float, ...]:
-    """A type for argparse: degrees, separated by commas."""
-    try:
-        return tuple(float(word) for word in text.split(","))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"needs degrees separated by commas, such as 45,-90, got {text!r}") from None
-
-
-def ranges(text: str) -> tuple[tuple[float, float], ...]:
-    """A type for argparse: pairs of degrees, each low:high, separated by commas."""
-    try:
-        found = tuple((float(low), float(high)) for low, high in (word.split(":") for word in text.split(",")))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"needs ranges in degrees such as -30:60,-90:0, got {text!r}") from None
-    return found
-
-
 HINTS = get_type_hints(Settings)
 PARSERS: dict[str, Callable[[str], Any]] = {
-    "joints": joints, "demonstrator_deg": angles, "start_deg": angles, "undistort": radial, "workspace_deg": ranges,
-}  # fmt: skip
+    "joints": joints,
+    "undistort": radial,
+    "workspace_deg": listed(range_of, "ranges in degrees such as -30:60,-90:0"),
+    **dict.fromkeys(("demonstrator_deg", "start_deg"), listed(float, "degrees separated by commas, such as 45,-90")),
+}
 TYPES: dict[Any, Callable[[str], Any]] = {str: str, str | None: str, int: int, float: float, float | None: float}

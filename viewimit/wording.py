@@ -26,3 +26,8 @@ def either(words: Sequence[str]) -> str:
 
 def _joined(words: Sequence[str], last: str) -> str:
     return "".join(words) if len(words) < 2 else f"{', '.join(words[:-1])} {last} {words[-1]}"
+
+
+def first_of(words: Sequence[str], most: int) -> str:
+    """Join the first words as "a, b and 3 more"."""
+    return ", ".join(words[:most]) + (f" and {len(words) - most} more" if len(words) > most else "")

@@ -29,7 +29,7 @@ def over_grid(world, transfer="epipolar", demo_deg=(45, -90), **options):
     """The landscape, all points taken as seen, and the demonstrator's images."""
     demo, _ = world.demo_images(np.radians(demo_deg))
     seen = np.ones((len(demo), 2), bool)
-    return landscape_over(world, TRANSFERS[transfer], demo, seen, **options), demo
+    return landscape_over(world, TRANSFERS[transfer], demo, seen, grid_axes(world), **options), demo
 
 
 def flat(axes):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.analysis.landscape import landscape_over
+from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.estimation.transfers import linear, rank3
 from viewimit.estimation.transfers.transfer import conflict
 from viewimit.estimation.views import FourViews
@@ -91,7 +91,7 @@ def test_rank_3_reproduces_known_figures_of_the_panda():
     """A prototype's: minimum, E there, at the demonstrator and at most."""
     world = World(load_scene("panda"))
     demo, _ = world.demo_images(np.radians([45, -90]))
-    found = landscape_over(world, rank3.fit, demo, np.ones((10, 2), bool))
+    found = landscape_over(world, rank3.fit, demo, np.ones((10, 2), bool), grid_axes(world))
     np.testing.assert_allclose(np.degrees(found.minimum), [42, -91], atol=1e-9)
     assert (found.E.min(), found.E[45, 90], found.E.max()) == pytest.approx((0.60, 0.61, 63), rel=0.01)
     assert len(found.local_minima()) == 1 and found.basin_fraction() == 1.0

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.analysis.landscape import landscape_over
+from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.estimation.transfers import projective
 from viewimit.estimation.transfers.transfer import conflict
 from viewimit.estimation.views import FourViews
@@ -41,7 +41,7 @@ def test_with_parallel_axes_it_is_exact_up_to_its_prior(seed):
 def test_the_minimum_of_E_is_at_the_true_posture():
     world = World(load_scene("panda"))
     demo, _ = world.demo_images(np.radians([45, -90]))
-    found = landscape_over(world, projective.fit, demo, np.ones((10, 2), bool))
+    found = landscape_over(world, projective.fit, demo, np.ones((10, 2), bool), grid_axes(world))
     np.testing.assert_allclose(np.degrees(found.minimum), [45, -90], atol=1e-9)
     assert found.E.min() < 1e-6
     assert found.E.max() == pytest.approx(226, abs=1)  # a prototype's figure, with four steps and another prior

@@ -10,7 +10,7 @@ from viewimit.geometry.rigid import look_rotation, rigid_transform
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.camera import Camera, Lens
-from viewimit.simulation.depth_buffer import Balls, DepthBuffer, Triangles
+from viewimit.simulation.depth_buffer import DepthBuffer, Triangles
 from viewimit.simulation.meshes import first_hit, ray_distances
 from viewimit.simulation.rendering import RenderedEyes, Skin, Studio
 from viewimit.simulation.robot import Markers, link_meshes, load_markers
@@ -92,7 +92,7 @@ def test_a_ball_is_drawn_where_the_camera_projects_it(lens):
         image, depth = rng.uniform((200, 40), (440, 200)), rng.uniform(0.9, 1.6)
         centre = POSE[:3, 3] + depth * camera.ray(image)
         buffer = DepthBuffer(camera, 2)
-        buffer.add_balls(Balls(centre[None], np.array([[1.0, 0, 0]]), 0.03))
+        buffer.add_balls(centre[None], np.array([[1.0, 0, 0]]), 0.03)
         rows, columns = np.nonzero(buffer.inverse_depth)
         errors.append((np.array([columns.mean(), rows.mean()]) + 0.5) / 2 - image)
         assert len(rows) == pytest.approx(4 * np.pi * (0.03 / depth) ** 2 * np.prod(lens.focal), rel=0.3)

@@ -7,7 +7,6 @@ import reprlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +17,11 @@ from ..geometry.affine import MIN_POINTS
 from ..geometry.small_matrices import keep_freed_memory
 from ..loop.session import Session
 from ..loop.snapshot import Snapshot
+from ..simulation.eyes import SimulatedEyes
 from ..simulation.robot import Angles
 from ..simulation.world import World
 
+OwnImages = World | SimulatedEyes  # gives the learner's images at any posture
 EVALUATED_POINTS = 55_000  # evaluated together, over all postures: their arrays stay in the processor's cache
 STEP_DEG = {"projected": 1.0, "rendered": 10.0}  # of the grid, by sensor; two pictures take a tenth of a second
 PROJECTED_POINTS = 10 * EVALUATED_POINTS  # projected together: their images stay below `KEPT_BYTES`
@@ -114,25 +115,6 @@ def grid_axes(world: World, step_deg: float = 1.0) -> tuple[NDArray[np.float64],
     return first, second
 
 
-class OwnImages(Protocol):
-    """Gives the learner's images at any posture: a world, or the cameras of a session."""
-
-    def own_images(self, theta: Angles) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-        """Take the images of the learner, [L] and [R].
-
-        Parameters
-        ----------
-        theta : m arrays
-            Angles of the moving joints [rad], broadcast against each other to shape (...).
-
-        Returns
-        -------
-        (..., N, 4) and (..., N, 2) arrays
-            Points [px], and whether they are visible.
-        """
-        ...
-
-
 def landscape(
     session: Session, step_deg: float | None = None, by: str | None = None, with_condition: bool = False
 ) -> Landscape:
@@ -176,28 +158,21 @@ def landscape(
 
 
 def seen_from(
-    world: World | OwnImages, now: Snapshot, by: str | None = None
-) -> tuple[World | OwnImages, Callable, NDArray[np.float64], NDArray[np.bool_]]:
+    world: OwnImages, now: Snapshot, by: str | None = None
+) -> tuple[OwnImages, Callable, NDArray[np.float64], NDArray[np.bool_]]:
     """Return the first arguments of `conflict_at`, of the demonstrator as the learner now has it. by: the transfer."""
     return world, partial(now.fit, by=by), now.views.demo, now.views.visible[:, :2]
 
 
 def landscape_over(
-    world: World | OwnImages,
+    world: OwnImages,
     fit: Callable,
     demo: NDArray[np.float64],
     demo_visible: NDArray[np.bool_],
-    axes: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
+    axes: tuple[NDArray[np.float64], NDArray[np.float64]],
     with_condition: bool = False,
 ) -> Landscape:
-    """Compute E over a grid of the learner's postures; the arguments are those of `conflict_at`.
-
-    axes: two arrays of rad, by default those of a world's scene. Raises ValueError without axes and scene.
-    """
-    if axes is None:
-        if not isinstance(world, World):
-            raise ValueError("cameras have no range of their own: give axes")
-        axes = grid_axes(world)
+    """Compute E over a grid of the learner's postures. axes: rad; the other arguments are those of `conflict_at`."""
     rows = max(PROJECTED_POINTS // (len(demo) * len(axes[1])), 1)
     found = [
         conflict_at(world, fit, demo, demo_visible, (axes[0][k : k + rows, None], axes[1]), with_condition)
@@ -207,7 +182,7 @@ def landscape_over(
 
 
 def conflict_at(
-    world: World | OwnImages,
+    world: OwnImages,
     fit: Callable,
     demo: NDArray[np.float64],
     demo_visible: NDArray[np.bool_],

@@ -10,19 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import options
 from ..estimation.views import VIEW_NAMES, VIEWS, view_of
-from ..options import (
-    DONE,
-    MISSED,
-    VIEW_OPTIONS,
-    BadInput,
-    add_json_option,
-    add_view_options,
-    between,
-    naming,
-    option,
-    require_separate_files,
-)
 from ..sensing.detection import FIRST_OF_DEMONSTRATOR, PICTURES
 from ..sensing.tracks import Row, write_tidy
 from ..simulation.robot import load_markers, marker_names
@@ -36,6 +25,7 @@ CERTAIN = 1.0
 VIDEOS = (".mp4", ".avi", ".mov", ".mkv", ".webm", ".m4v")
 DEMONSTRATOR_VIEWS = VIEWS[:2]
 BODIES = {"demonstrator": ("demo_left", "demo_right"), "learner": ("own_left", "own_right")}  # and their views
+NO_VIEW = f"its name does not end in a view such as _demo_left; name it by {options.VIEW_OPTIONS}"
 MAX_NUMBER = 9999  # of a marker
 MAX_LINES = 10  # about markers that are left out
 TIMES = {2: "twice"}
@@ -54,7 +44,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "of a view are its frames, in the order given. A name that ends in _left or _right alone shows both arms. A "
         "folder stands for all pictures and videos in it, by name",
     )
-    add_view_options(parser, "pictures or videos of {}", nargs="+", default=[])
+    options.add_view_options(parser, "pictures or videos of {}", nargs="+", default=[])
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="write them as .csv")
     kind = parser.add_mutually_exclusive_group()
     kind.add_argument(
@@ -71,7 +61,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--demonstrator-from",
-        type=between(int, 1, MAX_NUMBER),
+        type=options.between(int, 1, MAX_NUMBER),
         default=FIRST_OF_DEMONSTRATOR,
         metavar="N",
         help="in pictures of both arms: the demonstrator wears the markers from this number on, N + k where the "
@@ -79,24 +69,23 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--middle",
-        type=between(float, 0.05, 1.0),
+        type=options.between(float, 0.05, 1.0),
         default=1.0,
         metavar="SHARE",
         help="of a picture's width that is searched, around its centre (%(default)s)",
     )
-    add_json_option(parser)
+    options.add_json_option(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     if importlib.util.find_spec("cv2") is None:
-        raise BadInput("it needs OpenCV: pip install 'viewimit[opencv]'")
+        raise options.BadInput("it needs OpenCV: pip install 'viewimit[opencv]'")
     if args.out.suffix.lower() != ".csv":
-        raise BadInput(f"--out: {args.out}: its name must end in .csv")
+        raise options.BadInput(f"--out: {args.out}: its name must end in .csv")
     files, files_of_both = _files_by_view(args)
     if files_of_both and args.aruco is None:
-        raise BadInput(
-            f"{files_of_both[0]}: its name does not end in a view such as _demo_left; name it by {VIEW_OPTIONS};"
-            " both arms in one picture need markers with numbers: give --aruco"
+        raise options.BadInput(
+            f"{files_of_both[0]}: {NO_VIEW}; both arms in one picture need markers with numbers: give --aruco"
         )
     names, detect = _ball_detector(args) if args.aruco is None else _square_detector(args)
     from ..sensing.detection import frame_rate, read_pictures  # loads OpenCV
@@ -107,7 +96,7 @@ def run(args: argparse.Namespace) -> int:
     sizes: dict[tuple[int, ...], str] = {}  # of pictures, and a view of each
     for view, paths in files.items():
         rows[view], frames = [], 0
-        with naming(option(VIEW_NAMES[view])):
+        with options.naming(options.option(VIEW_NAMES[view])):
             for path, picture in ((each, picture) for each in paths for picture in read_pictures(each)):
                 points, without = detect(picture)
                 if path in files_of_both:
@@ -123,7 +112,7 @@ def run(args: argparse.Namespace) -> int:
         print(f"viewimit detect: pictures of different sizes, {named}: points are in pixels of each", file=sys.stderr)
     seen = {point for each in rows.values() for _, point, *_ in each}
     markers = len(names) or len(seen | {name for name, _ in left_out})
-    with naming("--out"):
+    with options.naming("--out"):
         write_tidy(args.out, rows)
     if args.json:
         told = [{"marker": name, "why": why, "frames": frames} for (name, why), frames in left_out.items()]
@@ -139,12 +128,12 @@ def run(args: argparse.Namespace) -> int:
     if empty:
         kind = args.markers if args.aruco is None else args.aruco
         print(f"viewimit detect: no marker of {kind} in any frame of view {', '.join(empty)}", file=sys.stderr)
-    return MISSED if empty else DONE
+    return options.MISSED if empty else options.DONE
 
 
 def _ball_detector(args: argparse.Namespace) -> tuple[list[str], Detector]:
     """Names of all points, and the detector. Raises BadInput."""
-    with naming("--markers"):
+    with options.naming("--markers"):
         hue_deg = load_markers(args.markers).hue_deg
     from ..sensing.detection import detect  # loads OpenCV
 
@@ -161,7 +150,7 @@ def _square_detector(args: argparse.Namespace) -> tuple[list[str], Detector]:
     """No names, because the pictures tell which numbers there are, and the detector. Raises BadInput."""
     from ..sensing.detection import Fiducials  # loads OpenCV
 
-    with naming("--aruco"):
+    with options.naming("--aruco"):
         fiducials = Fiducials(args.aruco)
 
     def points(picture: Picture) -> tuple[list[Point], LeftOut]:
@@ -231,7 +220,7 @@ def _in_folder(path: Path) -> list[Path]:
         return [path]
     found = sorted(each for each in path.iterdir() if each.suffix.lower() in (*PICTURES, *VIDEOS))
     if not found:
-        raise BadInput(f"{path}: no picture or video is in this folder")
+        raise options.BadInput(f"{path}: no picture or video is in this folder")
     return found
 
 
@@ -247,11 +236,11 @@ def _files_by_view(args: argparse.Namespace) -> tuple[dict[str, list[Path]], lis
             views = [view_of(f"{body}_{both[1].lower()}") for body in ("demo", "own")]
             of_both.append(path)
         else:
-            raise BadInput(f"{path}: its name does not end in a view such as _demo_left; name it by {VIEW_OPTIONS}")
+            raise options.BadInput(f"{path}: {NO_VIEW}")
         for view in views:
             files[view].append(path)
-    require_separate_files(path for paths in files.values() for path in paths)
+    options.require_separate_files(path for paths in files.values() for path in paths)
     found = {view: paths for view, paths in files.items() if paths}
     if not found:
-        raise BadInput(f"no pictures: name files, or give them by {VIEW_OPTIONS}")
+        raise options.BadInput(f"no pictures: name files, or give them by {options.VIEW_OPTIONS}")
     return found, of_both

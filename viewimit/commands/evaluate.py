@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import options
 from ..analysis.evaluation import TOO_FEW, Frame, evaluate
 from ..analysis.results import misfit_json, naming_json, naming_words
 from ..analysis.tracked_body import (
@@ -29,19 +30,6 @@ from ..estimation.views import VIEW_NAMES, VIEWS, FourViews
 from ..geometry.affine import MIN_POINTS
 from ..geometry.rectification import fit_rectification
 from ..loop.self_calibration import SelfCalibration
-from ..options import (
-    DEFAULT_TRANSFER,
-    DONE,
-    MISSED,
-    VIEW_OPTIONS,
-    BadInput,
-    add_json_option,
-    add_settings,
-    add_view_options,
-    between,
-    naming,
-    require_separate_files,
-)
 from ..sensing.files import MAX_NAME_CHARS, escape
 from ..sensing.tracks import TrackedPoints, read_files, read_tidy
 from . import lenses
@@ -50,26 +38,27 @@ from .json_output import print_json
 BODIES = {"demonstrator": "lr", "learner": "LR"}  # and its views
 NAMED = 10  # points that --min-confidence removed, in words
 MARGIN_RAD = np.radians(30.0)  # beyond the learner's own postures, in which the demonstrator's is looked for
+OF_ALL = "is a table of all four views"
 NEEDED = "--calibration FILE of viewimit rehearse, or --postures FILE with the learner's joint angles in each frame"
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("points", nargs="?", type=Path, metavar="POINTS.csv", help="frame,view,point,x,y,confidence")
-    add_view_options(parser, "instead: tracks of {}, as DeepLabCut, SLEAP, … write them")
+    options.add_view_options(parser, "instead: tracks of {}, as DeepLabCut, SLEAP, … write them")
     for body in BODIES:
         parser.add_argument(f"--{body}", metavar="NAME", help="whose points to take of files with several individuals")
     parser.add_argument(
-        "--transfer", choices=TRANSFERS, help=f"{', '.join(TRANSFERS)} ({DEFAULT_TRANSFER})", metavar="NAME"
+        "--transfer", choices=TRANSFERS, help=f"{', '.join(TRANSFERS)} ({options.DEFAULT_TRANSFER})", metavar="NAME"
     )
     parser.add_argument(
         "--min-confidence",
-        type=between(float, 0.0, 1.0),
+        type=options.between(float, 0.0, 1.0),
         default=0.6,
         metavar="SHARE",
         help="points of less count as not seen, and are named; 0 keeps all (%(default)s)",
     )
     rectify = "rectify the pictures where that predicts left-out points better, or never (auto)"
-    add_settings(parser, "rectify", rectify=rectify)
+    options.add_settings(parser, "rectify", rectify=rectify)
     lenses.add_options(parser)
     parser.add_argument(
         "--out", type=Path, metavar="FILE", help="write a report with the points drawn: .html, .svg, .png, .pdf"
@@ -89,14 +78,17 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help=f"table of the learner's joint angles: frame, then a column of degrees for each joint; {also}",
     )
-    add_json_option(parser)
+    options.add_json_option(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     if args.out:
-        with naming("--out"):
+        with options.naming("--out"):
             evaluate_report.require_format(args.out)
-    _require_options(args)
+    if args.calibration and args.postures:
+        raise options.BadInput("--calibration, --postures: give one of them, as both show the learner's body")
+    if args.unmatched and not (args.calibration or args.postures):
+        raise options.BadInput(f"--unmatched: needs {NEEDED}")
     tracked = _read(args)
     removed = tracked.n_below_confidence(args.min_confidence)
     _say(*_told_of(args, tracked, removed))
@@ -110,7 +102,7 @@ def run(args: argparse.Namespace) -> int:
     _say(*_lengths(tracked), *evaluate_report.shift_words(found.time_shift, tracked.frames), units)
     report = evaluate_report.Report(found, of_body, removed)
     if args.out and report.first is not None:
-        with naming("--out"):
+        with options.naming("--out"):
             evaluate_report.write(args.out, report)
         print(f"written to {args.out}", file=sys.stderr)
     if args.json:
@@ -120,12 +112,12 @@ def run(args: argparse.Namespace) -> int:
     named = of_body.get("naming")
     if named is not None and not named["accepted"]:
         _say(f"names {naming_words(named)}")
-        return MISSED
+        return options.MISSED
     if all(frame.refused == TOO_FEW for frame in found.frames):
         _say(_too_few(tracked, args.min_confidence))
-        return MISSED
+        return options.MISSED
     _say(*_doubts(found.frames))
-    return MISSED if report.first is None else DONE
+    return options.MISSED if report.first is None else options.DONE
 
 
 def _say(*sentences: str | None) -> None:
@@ -146,15 +138,6 @@ def _told_of(args: argparse.Namespace, tracked: TrackedPoints, removed: dict[str
     yield tracked.doubtful_frames()
     if removed:
         yield _removed(tracked, removed, args.min_confidence)
-
-
-def _require_options(args: argparse.Namespace) -> None:
-    """Raise BadInput for options that do not go together."""
-    given = [name for name in ("calibration", "postures") if vars(args)[name] is not None]
-    if len(given) > 1:
-        raise BadInput("--calibration, --postures: give one of them, as both show the learner's body")
-    if args.unmatched and not given:
-        raise BadInput(f"--unmatched: needs {NEEDED}")
 
 
 def _with_body(
@@ -186,11 +169,11 @@ def _learn_body(args: argparse.Namespace, frames: Sequence[int], views: FourView
     matches, noise_px = select_matches(views), find_outliers(views).noise_px or 0.0
     rectification = None if args.rectify == "off" else fit_rectification(matches[:, :2], matches[:, 2:])
     if args.postures:
-        with naming("--postures"):
+        with options.naming("--postures"):
             seen = observed_in_postures(args.postures, frames, views, own)
             limits = seen.displacement.min(0) - MARGIN_RAD, seen.displacement.max(0) + MARGIN_RAD
             return learn_tracked_body(seen, own, limits, noise_px, rectification)
-    with naming("--calibration"):
+    with options.naming("--calibration"):
         calibration = SelfCalibration.load(args.calibration)
         limits = np.zeros(len(calibration.body.span_deg)), np.radians(calibration.body.span_deg)
         noise_px = max(noise_px, calibration.noise_px)
@@ -251,19 +234,19 @@ def _lengths(tracked: TrackedPoints) -> Iterator[str]:
 
 def _read(args: argparse.Namespace) -> TrackedPoints:
     given = {view: vars(args)[name] for view, name in VIEW_NAMES.items() if vars(args)[name]}
-    require_separate_files(given.values())
+    options.require_separate_files(given.values())
     if args.points and not given and args.points.suffix.lower() not in (".csv", ".tsv", ".txt", ""):
-        raise BadInput(f"{args.points}: POINTS.csv is a table of all four views; give others by {VIEW_OPTIONS}")
+        raise options.BadInput(f"{args.points}: POINTS.csv {OF_ALL}; give others by {options.VIEW_OPTIONS}")
     named = [body for body in BODIES if vars(args)[body] is not None]
     if args.points and not given and named:
-        raise BadInput(f"--{named[0]}: {args.points} is a table of all four views, which say whose points are whose")
+        raise options.BadInput(f"--{named[0]}: {args.points} {OF_ALL}, which say whose points are whose")
     if args.points and not given:
-        with naming("POINTS.csv"):
+        with options.naming("POINTS.csv"):
             return read_tidy(args.points)
     if args.points or len(given) < len(VIEWS):
-        raise BadInput(f"give either POINTS.csv, or a file of each of the four views by {VIEW_OPTIONS}")
+        raise options.BadInput(f"give either POINTS.csv, or a file of each of the four views by {options.VIEW_OPTIONS}")
     individuals = {view: vars(args)[body] for body, views in BODIES.items() for view in views if vars(args)[body]}
-    with naming(VIEW_OPTIONS):
+    with options.naming(options.VIEW_OPTIONS):
         return read_files(given, individuals)
 
 

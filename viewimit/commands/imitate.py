@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .. import options
 from ..analysis.results import figure, naming_words, outcome, posture
 from ..drawing.svg import count_motions
 from ..loop.history import MAX_HISTORY, History
@@ -14,20 +15,6 @@ from ..loop.self_calibration import SelfCalibration
 from ..loop.session import Session
 from ..loop.settings import FIELDS, SAFETY, Settings, option
 from ..loop.snapshot import RunResult
-from ..options import (
-    ARM,
-    DONE,
-    MISSED,
-    SCENE,
-    SIGHT,
-    BadInput,
-    add_json_option,
-    add_settings,
-    add_unmatched_option,
-    between,
-    naming,
-    settings_from,
-)
 from ..sensing.files import MAX_NAME_CHARS, escape
 from ..servo import SERVOS, verdict
 from .json_output import print_json
@@ -37,10 +24,11 @@ TABLE_DIGITS = 12  # significant, of a number in a .csv table: fewer than conver
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    seen = (*SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, "undistort", "sensor", "dynamics")
-    add_settings(parser, *seen, *ARM, "servo", *SAFETY, defaults=Settings())
-    add_unmatched_option(parser)
-    number = between(int, 0, MAX_HISTORY)
+    seen = ("demonstrator_deg", "transfer", "rectify", *options.SIGHT, "undistort", "sensor", "dynamics")
+    options.add_settings(parser, *options.SCENE, *seen, *options.ARM, "servo", *SAFETY, defaults=Settings())
+    unnamed = "the demonstrator's points come in an unknown order; find out which is which"
+    parser.add_argument("--unmatched", dest="matched", action="store_false", default=None, help=unnamed)
+    number = options.between(int, 0, MAX_HISTORY)
     parser.add_argument("--max-motions", type=number, default=1000, metavar="N", help="%(default)s")
     parser.add_argument(
         "--out",
@@ -56,30 +44,30 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="QUERY",
         help="play what a link of the page or of the lab holds, such as 'demo=45,-90&steps=8'",
     )
-    add_json_option(parser)
+    options.add_json_option(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     out, calibration = args.out, args.calibration
     if out:
-        with naming("--out"):
+        with options.naming("--out"):
             if out.suffix.lower() not in (*TABLES, *PAGES):
                 known = ", ".join((*TABLES, *PAGES))
                 raise ValueError(f"{out}: unknown extension {out.suffix.lower()!r}; there are {known}")
             if calibration and out.exists() and calibration.exists() and out.samefile(calibration):
                 raise ValueError(f"{out} is the rehearsal that --calibration reads: name another file")
     if args.link is not None:
-        with naming("--link"):
+        with options.naming("--link"):
             session, ended = _played(args)
         settings = session.settings
     else:
-        settings = settings_from(args, Settings())
+        settings = options.settings_from(args, Settings())
         session = Session(settings)
         if calibration:
             _use_calibration(session, calibration)
         ended = session.run(args.max_motions)
     if out:
-        with naming("--out"):
+        with options.naming("--out"):
             size = _write(out, session)
         print(f"written to {out}{size}", file=sys.stderr)
     result = outcome(session, ended)
@@ -88,9 +76,9 @@ def run(args: argparse.Namespace) -> int:
     else:
         _report(result, verdict(ended.status).label.lower())
     if result["converged"]:
-        return DONE
+        return options.DONE
     tell(ended)
-    return MISSED
+    return options.MISSED
 
 
 def _played(args: argparse.Namespace) -> tuple[Session, RunResult]:
@@ -172,8 +160,8 @@ def _use_calibration(session: Session, path: Path) -> None:
     if not SERVOS[servo].predicts:
         able = ", ".join(name for name, found in SERVOS.items() if found.predicts)
         words = f"{servo} learns from its own steps alone; --servo {able} begins with a rehearsal"
-        raise BadInput(f"--calibration: {words}")
-    with naming("--calibration"):
+        raise options.BadInput(f"--calibration: {words}")
+    with options.naming("--calibration"):
         calibration = SelfCalibration.load(path)
         try:
             session.use_calibration(calibration)

@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from .. import options
 from ..analysis.landscape import Landscape, conflict_at, landscape, seen_from
 from ..analysis.results import figure, posture
 from ..drawing.export import figures
@@ -16,18 +17,6 @@ from ..drawing.plots import describe_settings
 from ..estimation.transfers import TRANSFERS, default_transfer
 from ..loop.session import Session
 from ..loop.snapshot import Snapshot
-from ..options import (
-    DEFAULT_TRANSFER,
-    DONE,
-    MISSED,
-    SCENE,
-    SIGHT,
-    add_json_option,
-    add_settings,
-    between,
-    naming,
-    settings_from,
-)
 from ..simulation.scene import Scene
 from .json_output import print_json
 
@@ -36,28 +25,31 @@ TITLE = "E over the postures of the learner"
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    names = (*SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, "sensor")
-    add_settings(parser, *names, transfer=f"{', '.join(TRANSFERS)} ({DEFAULT_TRANSFER})")
-    parser.add_argument("--step-deg", type=between(float, 0.1, 45), help="of the grid (1, camera images 10)")
+    names = (*options.SCENE, "demonstrator_deg", "transfer", "rectify", *options.SIGHT, "sensor")
+    options.add_settings(parser, *names, transfer=f"{', '.join(TRANSFERS)} ({options.DEFAULT_TRANSFER})")
+    parser.add_argument("--step-deg", type=options.between(float, 0.1, 45), help="of the grid (1, camera images 10)")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write it as .npz, .csv, .svg, .png or .pdf")
-    add_json_option(parser)
+    options.add_json_option(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     if args.out:
-        with naming("--out"):
-            _require_format(args.out)
-    settings = settings_from(args)
+        with options.naming("--out"):
+            if args.out.suffix.lower() not in TABLES + figures.PICTURES:
+                known = ", ".join(TABLES + figures.PICTURES)
+                raise ValueError(f"{args.out}: unknown extension {args.out.suffix.lower()!r}; there are {known}")
+            figures.require_renderer(args.out, ".svg")
+    settings = options.settings_from(args)
     session = Session(settings)
     if args.transfer is None:
         settings = msgspec.structs.replace(settings, transfer=default_transfer(len(session.snapshot.usable)))
         session.change(transfer=settings.transfer)
-    with naming("--scene, --joints"):
+    with options.naming("--scene, --joints"):
         found = landscape(session, args.step_deg)
     now = session.snapshot
     (there,) = conflict_at(*seen_from(session.eyes, now), now.theta_demo[:, None])
     if args.out:
-        with naming("--out"):
+        with options.naming("--out"):
             _write(args.out, found, session.scene, now)
         print(f"written to {args.out}", file=sys.stderr)
     nowhere = bool(np.isnan(found.E).all())
@@ -78,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
         _report(result)
     if nowhere:
         print("viewimit landscape: too few points are seen in all four images, at every posture", file=sys.stderr)
-    return MISSED if nowhere else DONE
+    return options.MISSED if nowhere else options.DONE
 
 
 def _report(result: dict) -> None:
@@ -90,14 +82,6 @@ def _report(result: dict) -> None:
     print(f"demonstrator  {there} at {posture(result['demonstrator_deg'])}")
     print(f"largest       {most}")
     print(f"local minima  {minima}; steepest descent ends at the lowest from {basin:.1%} of the postures")
-
-
-def _require_format(path: Path) -> None:
-    """Raises ValueError for an extension that is not written, or a picture without the package that writes it."""
-    suffix = path.suffix.lower()
-    if suffix not in TABLES + figures.PICTURES:
-        raise ValueError(f"{path}: unknown extension {suffix!r}; there are {', '.join(TABLES + figures.PICTURES)}")
-    figures.require_renderer(path, ".svg")
 
 
 def _write(path: Path, landscape: Landscape, scene: Scene, snapshot: Snapshot) -> None:

@@ -12,11 +12,7 @@ from ..sensing.detection import FIRST_OF_DEMONSTRATOR
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--out",
-        type=Path,
-        default=Path("markers.html"),
-        metavar="FILE",
-        help="a page to print (%(default)s)",
+        "--out", type=Path, default=Path("markers.html"), metavar="FILE", help="a page to print (%(default)s)"
     )
     parser.add_argument(
         "--aruco", default="4X4_50", metavar="DICT", help="OpenCV's dictionary of markers, as of detect (%(default)s)"

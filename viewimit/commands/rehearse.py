@@ -7,23 +7,12 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
+from .. import options
 from ..geometry.affine import MIN_POINTS
 from ..loop.codegen import as_imitation
 from ..loop.self_calibration import DEFAULT_POSTURES, MIN_POSTURES
 from ..loop.session import Session
 from ..loop.settings import SAFETY, Settings, disturbances
-from ..options import (
-    ARM,
-    DONE,
-    MISSED,
-    SCENE,
-    BadInput,
-    add_json_option,
-    add_settings,
-    between,
-    naming,
-    settings_from,
-)
 from ..sensing.files import escape
 from ..simulation.disturbances import ImageDisturbance
 from .json_output import print_json
@@ -34,8 +23,8 @@ EXTRA_POSTURES = 3  # beside one for each joint, which turns it alone
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     sight = (*disturbances(ImageDisturbance), "frames", "seed", "undistort", "sensor", "dynamics")
-    add_settings(parser, *SCENE, *sight, *ARM, *SAFETY, defaults=Settings())
-    number, reach = between(int, MIN_POSTURES, MAX_POSTURES), between(float, 1.0, 360.0)
+    options.add_settings(parser, *options.SCENE, *sight, *options.ARM, *SAFETY, defaults=Settings())
+    number, reach = options.between(int, MIN_POSTURES, MAX_POSTURES), options.between(float, 1.0, 360.0)
     parser.add_argument(
         "--postures",
         type=number,
@@ -49,19 +38,21 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", type=Path, required=True, metavar="FILE", help="write the calibration to this .npz file"
     )
-    add_json_option(parser)
+    options.add_json_option(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     if args.out.suffix.lower() != ".npz":
-        raise BadInput(f"--out: {args.out}: unknown extension {args.out.suffix!r}; there is .npz")
-    settings = settings_from(args, Settings())
+        raise options.BadInput(f"--out: {args.out}: unknown extension {args.out.suffix!r}; there is .npz")
+    settings = options.settings_from(args, Settings())
     session = Session(settings)
     joints = len(session.scene.moving_joints)
     if args.postures < joints + EXTRA_POSTURES:
-        raise BadInput(f"--postures: {joints} joints need {joints + EXTRA_POSTURES} or more, got {args.postures}")
+        raise options.BadInput(
+            f"--postures: {joints} joints need {joints + EXTRA_POSTURES} or more, got {args.postures}"
+        )
     body = session.calibrate(args.postures, settings.seed, args.within)
-    with naming("--out"):
+    with options.naming("--out"):
         body.save(args.out)
     print(f"written to {args.out}", file=sys.stderr)
     usable = [int(visit.seen.all(-1).sum()) for visit in body.visits]
@@ -76,5 +67,5 @@ def run(args: argparse.Namespace) -> int:
             print(f"imitate with  {as_imitation(settings, str(args.out))}")
     if max(usable) < MIN_POINTS:
         print(f"viewimit rehearse: no posture shows {MIN_POINTS} points, which is what it takes", file=sys.stderr)
-        return MISSED
-    return DONE
+        return options.MISSED
+    return options.DONE

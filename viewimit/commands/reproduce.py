@@ -2,9 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 from tqdm import tqdm
 
@@ -16,6 +14,8 @@ from ..experiments.paper import common
 from ..options import ARM, DONE, MISSED, SCENE, SIGHT, add_json_option, add_settings, naming, settings_from
 from ..simulation.scene import load_scene
 from .json_output import print_json
+
+BAR = "{desc} {percentage:3.0f}% {bar} {elapsed}"  # on standard error, if that is a terminal
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -55,7 +55,8 @@ def run(args: argparse.Namespace) -> int:
         experiment = experiments[name]
         options = {option: offered[option] for option in experiment.options}
         with naming("--scene, --joints, --n-points, --missing"):
-            result = _with_bar(name, lambda tell: experiment.run(settings, tell, **options))  # noqa: B023
+            with tqdm(total=1.0, desc=name, disable=None, bar_format=BAR) as bar:
+                result = experiment.run(settings, lambda share, _, bar=bar: bar.update(share - bar.n), **options)
         judged += result.claims
         written = []
         if args.out:
@@ -92,9 +93,3 @@ def _motion(name: str, settings):
     if not name.endswith(".json"):
         raise ValueError(f"no motion {name!r}; there are {', '.join(MOTIONS)}, or the path of a .json file")
     return load_motion(name, load_scene(settings.scene, settings.robot, settings.joints))
-
-
-def _with_bar(name: str, work: Callable[..., Any]) -> Any:
-    """A bar on standard error if that is a terminal."""
-    with tqdm(total=1.0, desc=name, disable=None, bar_format="{desc} {percentage:3.0f}% {bar} {elapsed}") as bar:
-        return work(lambda share, _: bar.update(share - bar.n))

@@ -8,18 +8,7 @@ from pathlib import Path
 
 import msgspec
 
-from ..options import (
-    ALL,
-    DONE,
-    BadInput,
-    add_chain_options,
-    add_json_option,
-    all_joints,
-    joints,
-    naming,
-    robot_reference,
-    tell_choices,
-)
+from .. import options
 from ..simulation.scene import MAX_CHOSEN_JOINTS, load_robot, load_scene, scene_for_urdf
 from ..simulation.scene_writing import scene_file
 from ..simulation.urdf.reference import is_reference, parse_reference
@@ -28,29 +17,32 @@ from .json_output import print_json
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="URDF", help="the path of a .urdf file, or a name of robot_descriptions")
-    add_chain_options(parser)
+    options.add_chain_options(parser)
     parser.add_argument(
-        "--joints", type=joints, metavar="N,N", help="moving joints, from 1, or all (the two that move the image most)"
+        "--joints",
+        type=options.joints,
+        metavar="N,N",
+        help="moving joints, from 1, or all (the two that move the image most)",
     )
     parser.add_argument("--out", type=Path, metavar="FILE", help="write it there, as .toml (to standard output)")
-    add_json_option(parser)
+    options.add_json_option(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     if args.out and args.out.suffix.lower() != ".toml":
-        raise BadInput(f"--out: {args.out} must end in .toml")
-    with naming("URDF"):
-        name = robot_reference(args) or ""
+        raise options.BadInput(f"--out: {args.out} must end in .toml")
+    with options.naming("URDF"):
+        name = options.robot_reference(args) or ""
         if not is_reference(name):
             raise ValueError(
                 f"{name} is no .urdf file; the scenes of shipped robots are in the package's assets/scenes"
             )
         chosen = scene_for_urdf(name)
-    with naming("--joints"):
-        moving = all_joints(name) if args.joints == ALL else args.joints
+    with options.naming("--joints"):
+        moving = options.all_joints(name) if args.joints == options.ALL else args.joints
         chosen = scene_for_urdf(name, moving) if moving and len(moving) <= MAX_CHOSEN_JOINTS else chosen
         scene = load_scene(name, joints=moving)
-    tell_choices(chosen, scene)
+    options.tell_choices(chosen, scene)
     fields = msgspec.to_builtins(scene)
     for eye in ("left", "right"):
         del fields["head"][eye]
@@ -59,12 +51,12 @@ def run(args: argparse.Namespace) -> int:
         print_json(args, {"scene": fields})
     text = scene_file(fields, load_robot(name), "Made from a URDF by `viewimit scene`: edit it, and use it by --scene")
     if args.out:
-        with naming("--out"):
+        with options.naming("--out"):
             args.out.write_text(text, encoding="utf-8")
         print(f"written to {args.out}", file=sys.stderr)
     elif not args.json:
         print(text, end="")
-    return DONE
+    return options.DONE
 
 
 def _relative_robot(out: Path | None, name: str) -> str:

@@ -3,6 +3,8 @@
 A new experiment is a file, and a line here.
 """
 
+from functools import partial
+
 from .experiment import Experiment
 from .paper import fig7, fig8, fig9, fig10
 
@@ -13,7 +15,7 @@ EXPERIMENTS: dict[str, Experiment] = {
 }
 ON_PICTURES: dict[str, Experiment] = {  # those on rendered pictures
     "fig8": Experiment("Fig. 8: landscape of pictures", fig8.run, fig8.draw),
-    "fig9": Experiment("Fig. 9: posture imitation", fig9.on_pictures, fig9.draw),
+    "fig9": Experiment("Fig. 9: posture imitation", partial(fig9.run, **fig9.ON_PICTURES), fig9.draw),
 }
 
 __all__ = ["EXPERIMENTS", "ON_PICTURES", "Experiment"]

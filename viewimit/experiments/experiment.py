@@ -142,16 +142,17 @@ def _versions() -> dict[str, str]:
 
 
 def write_csv(path: Path, columns: Table) -> None:
-    """Write numbers with ten digits, NaN as an empty cell, and booleans as 1 and 0. Raises OSError."""
+    """Write the cells of columns. Raises OSError."""
     with path.open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
         rows.writerow(columns)
-        rows.writerows(zip(*(_cells(column) for column in columns.values())))
+        rows.writerows(map(cell, row) for row in zip(*(column.tolist() for column in columns.values())))
 
 
-def _cells(column: NDArray) -> list:
-    if column.dtype.kind == "b":
-        return column.astype(int).tolist()
-    if column.dtype.kind != "f":
-        return column.tolist()
-    return ["" if np.isnan(value) else f"{value:.10g}" for value in column.tolist()]
+def cell(value: Any) -> Any:
+    """Return what a cell of a table shows: numbers with ten digits, nothing for None and NaN, 1 and 0 for booleans."""
+    if isinstance(value, bool):
+        return int(value)
+    if isinstance(value, float):
+        return "" if np.isnan(value) else f"{value:.10g}"
+    return "" if value is None else value

@@ -28,7 +28,8 @@ def as_python(script: Script) -> str:
             "print(session.snapshot.theta)",
         )
     )
-    return code if len(code.splitlines()) <= MAX_LINES and not _is_data(script) else _as_data(script)
+    holds_postures = any(isinstance(action, Calibrate) for action in script.actions)  # too many to read
+    return _as_data(script) if holds_postures or len(code.splitlines()) > MAX_LINES else code
 
 
 def as_command(script: Script) -> str:
@@ -118,11 +119,6 @@ def _lines(action: Action) -> list[str]:
     if isinstance(action, Begin):
         return [f"session.begin({_settings(action.settings)})"]
     return ["session.use_calibration(None)"]
-
-
-def _is_data(script: Script) -> bool:
-    """Whether the script holds postures of a calibration, which are too long to read."""
-    return any(isinstance(action, Calibrate) for action in script.actions)
 
 
 def _as_data(script: Script) -> str:

@@ -1,6 +1,6 @@
 """The snapshots of a session in the order of their motions, and the one that it shows."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any, overload
 
@@ -46,9 +46,6 @@ class History(Sequence[Snapshot]):
 
     def __len__(self) -> int:
         return len(self._snapshots)
-
-    def __iter__(self) -> Iterator[Snapshot]:
-        return iter(self._snapshots)
 
     @overload
     def __getitem__(self, index: int) -> Snapshot: ...
@@ -124,10 +121,6 @@ class History(Sequence[Snapshot]):
         """Replace the present snapshot. Later snapshots are dropped."""
         self._snapshots[self.cursor :] = [snapshot]
 
-    def undo(self) -> bool:
-        """Go one motion back; later snapshots stay. Return False at the start."""
-        return self.scrub(self.cursor - 1)
-
     def scrub(self, motion: int) -> bool:
         """Show the snapshot after a number of motions, or the one that stands for it. Return False if there is none."""
         if not 0 <= motion < len(self._snapshots):
@@ -141,8 +134,10 @@ class History(Sequence[Snapshot]):
             return
         for motion in range(first, first + STRIDE):
             one = self._snapshots[motion]
-            stands_for_another = one.motion != motion
-            self._snapshots[motion] = self._snapshots[one.motion] if stands_for_another else _bare(one)
+            if one.motion != motion:  # it stands for this one
+                self._snapshots[motion] = self._snapshots[one.motion]
+            elif COMPUTED & vars(one).keys():
+                self._snapshots[motion] = replace(one)
 
     def _thin(self) -> None:
         """Let each old snapshot that is kept stand for those until the next kept one."""
@@ -151,8 +146,3 @@ class History(Sequence[Snapshot]):
             stride *= 2
         for first in range(EARLY, EARLY + old - stride + 1, stride):
             self._snapshots[first + 1 : first + stride] = [self._snapshots[first]] * (stride - 1)
-
-
-def _bare(snapshot: Snapshot) -> Snapshot:
-    """Drop what was computed of a snapshot."""
-    return replace(snapshot) if COMPUTED & vars(snapshot).keys() else snapshot

@@ -101,7 +101,7 @@ class Learner:
         pending, calibration = after.pending_postures, after.calibration
         if after.target is None:
             visit = Visit.of(after.commanded - self.embodiment.lower, after.views.own, after.views.visible[:, 2:])
-            pending, calibration = pending[1:], calibration.with_visit(visit)
+            pending, calibration = pending[1:], replace(calibration, visits=(*calibration.visits, visit))
         status = ServoStatus.REHEARSING if len(pending) else after.awake_status
         return after.with_fields(calibration=calibration, pending_postures=pending, status=status)
 

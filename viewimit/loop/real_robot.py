@@ -1,7 +1,6 @@
 """A learner with an arm and eyes of your own. Its demonstrator may move by itself, and its posture is unknown."""
 
 import reprlib
-from dataclasses import dataclass
 from numbers import Real
 from typing import ClassVar
 
@@ -183,16 +182,36 @@ def _n_visible(images: Images) -> int:
     return int(images[1].all(-1).sum())
 
 
-@dataclass(frozen=True)
 class RealRobot:
-    """The learner's arm, of m joints, and its view of the demonstrator. Postures are (m,) rad."""
+    """The learner's arm, of m joints, and its view of the demonstrator. Postures are (m,) rad.
 
-    arm: Arm
-    eyes: Eyes
-    name: str  # of the arm, for calibrations
-    points: int  # number of points that the eyes find
-    lower: NDArray[np.float64]
-    upper: NDArray[np.float64]
+    name: of the arm, for calibrations. Called, it brings the arm to the first posture of a session.
+    """
+
+    def __init__(self, arm: Arm, eyes: Eyes, name: str):
+        _require_members("the arm", arm, Arm)
+        _require_members("the eyes", eyes, Eyes)
+        self.arm, self.eyes, self.name = arm, eyes, name
+        self.points = 0  # that the eyes find, once they have looked
+        self.lower, self.upper = _limits(arm)
+
+    def __call__(self, settings: Settings, sent: NDArray[np.float64] | None) -> tuple["RealRobot", SessionStart]:
+        """sent: (m,) rad, where the arm was last sent; None if it never was.
+
+        Raises ValueError, with everything as it was, for impossible settings.
+        """
+        _require(settings)
+        low, high = workspace(settings, self.lower, self.upper)
+        asked = self.arm.start if settings.start_deg is None else np.radians(settings.start_deg)
+        start = _within(asked, self.lower, self.upper, "the start")
+        start = round_to_degrees(require_in_workspace(start, low, high, "the start"), low, high)
+        points = self.points or len(look_with(self.eyes).demo)
+        for name, there in {"scene": self.name, "points": points}.items():
+            if getattr(settings, name) not in (there, getattr(Settings(), name)):
+                raise ValueError(f"{name} is what there is, {there!r}: leave it out")
+        theta, self.points = self.move(start if sent is None else sent, start, settings.max_step), points
+        settings = msgspec.structs.replace(settings, scene=self.name, points=points, start_deg=to_degrees(start))
+        return self, SessionStart(settings, start, theta, self.demonstrator(settings), (low, high))
 
     def require_posture(self, theta: ArrayLike, whose: str) -> NDArray[np.float64]:
         return _within(theta, self.lower, self.upper, whose)
@@ -239,30 +258,6 @@ class RealRobot:
                     f"move() must return where the arm stands, in rad: {answer} is beyond its limits by a turn"
                 )
         return reached
-
-
-class RealRobotOpener:
-    """Brings the arm to its first posture. name: of the arm, for calibrations."""
-
-    def __init__(self, arm: Arm, eyes: Eyes, name: str):
-        _require_members("the arm", arm, Arm)
-        _require_members("the eyes", eyes, Eyes)
-        self._arm, self._eyes, self._name = arm, eyes, name
-        self._lower, self._upper = _limits(arm)
-        self._robot: RealRobot | None = None
-
-    def __call__(self, settings: Settings, sent: NDArray[np.float64] | None) -> tuple[RealRobot, SessionStart]:
-        _require(settings)
-        low, high = workspace(settings, self._lower, self._upper)
-        asked = self._arm.start if settings.start_deg is None else np.radians(settings.start_deg)
-        start = _within(asked, self._lower, self._upper, "the start")
-        start = round_to_degrees(require_in_workspace(start, low, high, "the start"), low, high)
-        points = len(look_with(self._eyes).demo) if self._robot is None else self._robot.points
-        _require_found(settings, {"scene": self._name, "points": points})
-        robot = RealRobot(self._arm, self._eyes, self._name, points, self._lower, self._upper)
-        theta, self._robot = robot.move(start if sent is None else sent, start, settings.max_step), robot
-        settings = msgspec.structs.replace(settings, scene=self._name, points=points, start_deg=to_degrees(start))
-        return robot, SessionStart(settings, start, theta, robot.demonstrator(settings), (low, high))
 
 
 def _require_members(what: str, given: object, protocol: type) -> None:
@@ -317,10 +312,3 @@ def _require(settings: Settings) -> None:
             raise ValueError(
                 f"{name} is of a simulated scene; an arm and eyes of your own have {', '.join(SETTINGS_OF_ROBOT)}"
             )
-
-
-def _require_found(settings: Settings, found: dict[str, object]) -> None:
-    """Raise ValueError for settings that contradict the arm's name or the eyes' points."""
-    for name, there in found.items():
-        if getattr(settings, name) not in (there, getattr(Settings(), name)):
-            raise ValueError(f"{name} is what there is, {there!r}: leave it out")

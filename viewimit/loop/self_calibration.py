@@ -53,10 +53,6 @@ class SelfCalibration:
     def __len__(self) -> int:
         return len(self.visits)
 
-    def with_visit(self, visit: Visit) -> "SelfCalibration":
-        """A calibration with one more posture."""
-        return replace(self, visits=(*self.visits, visit))
-
     def seen_from(self, lower: NDArray[np.float64]) -> tuple[Visit, ...]:
         """The visits as seen from a start whose lower limits are at the displacement `lower`, (m,) rad."""
         return tuple(replace(visit, displacement=visit.displacement + lower) for visit in self.visits)

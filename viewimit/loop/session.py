@@ -23,7 +23,7 @@ from ..simulation.world import World
 from .embodiment import Arm, Eyes, require_in_workspace, round_to_degrees, to_degrees
 from .history import MAX_HISTORY, RECENT, History
 from .learner import Embodiment, Learner, Observer, same_demonstrator
-from .real_robot import RealRobotOpener
+from .real_robot import RealRobot
 from .script import (
     Action,
     Begin,
@@ -141,12 +141,12 @@ class Session:
             For an arm or eyes that lack a member.
         """
         session = cls.__new__(cls)
-        session._set_up(RealRobotOpener(arm, eyes, name), Settings(**changes), dense, transfer, servo)
+        session._set_up(RealRobot(arm, eyes, name), Settings(**changes), dense, transfer, servo)
         return session
 
     def _set_up(
         self,
-        opener: SimulatedRobotOpener | RealRobotOpener,
+        opener: SimulatedRobotOpener | RealRobot,
         settings: Settings,
         dense: int | None,
         transfer: CustomTransfer | None,

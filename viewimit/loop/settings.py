@@ -281,7 +281,7 @@ def _plain(value):
 
 
 _HINTS = get_type_hints(Settings)
-_OF_TYPE = {bool: "True or False", int: "a whole number", float: "a number", float | None: "a number"}
+_OF_TYPE: dict[Any, str] = {bool: "True or False", int: "a whole number", float: "a number", float | None: "a number"}
 _OF_TYPE |= {str: "text", str | None: "text"}
 _EXPECTED = {name: _OF_TYPE.get(hint, "angles in degrees") for name, hint in _HINTS.items()} | {
     "joints": "whole numbers",

@@ -5,7 +5,7 @@ to the last bit: every look has its own stream of the seed.
 """
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import ClassVar
 
 import msgspec
@@ -29,7 +29,7 @@ from ..simulation.eyes import SimulatedEyes
 from ..simulation.scene import Scene, load_scene
 from .embodiment import SessionStart, require_in_workspace, round_to_degrees, to_degrees, workspace
 from .self_calibration import Body
-from .settings import USUAL_POINTS, BodyPoint, Settings
+from .settings import USUAL_POINTS, Settings
 from .snapshot import Images, Snapshot
 
 # streams of the seed: the demonstrator, in each posture; the own body, at every motion and at rest; which points are
@@ -151,7 +151,7 @@ class SimulatedRobot:
         return self._scene.require_posture(theta, whose)
 
     def body(self, settings: Settings) -> Body:
-        scene = self._scene
+        scene, placed = self._scene, repr(list(map(tuple, settings.body_points))) if settings.body_points else ""
         return Body(
             robot=scene.robot,
             joints=tuple(scene.moving_joints),
@@ -159,7 +159,7 @@ class SimulatedRobot:
             points=settings.points,
             sensor=settings.sensor,
             undistort=scene.head.undistort,
-            layout="" if settings.body_points is None else _digest(settings.body_points),
+            layout=hashlib.sha256(placed.encode()).hexdigest()[:12] if placed else "",
         )
 
     def demonstrator(self, settings: Settings) -> NDArray[np.float64]:
@@ -178,10 +178,6 @@ class SimulatedRobot:
 
     def observer(self, theta_rest: NDArray[np.float64]) -> SimulatedObserver:
         return SimulatedObserver(self.eyes, theta_rest)
-
-
-def _digest(points: Sequence[BodyPoint]) -> str:
-    return hashlib.sha256(repr([tuple(point) for point in points]).encode()).hexdigest()[:12]
 
 
 class SimulatedRobotOpener:

@@ -2,12 +2,8 @@
 
 A pixel has `samples` samples per axis. Sample (i, j) lies at ((j + 0.5) / samples, (i + 0.5) / samples) px. Each holds
 one 64-bit integer, the inverse depth above the colour. The bits of positive floats order as their values do, so
-`numpy.maximum.at` keeps the nearest of all surfaces that cover a sample, with its colour.
-
-Other renderers were weighed. MuJoCo, pyrender and VTK draw with OpenGL, which a machine without a display has only
-with further system packages. OpenCV's filled polygons include their outlines, which enlarges each by half a sample, and
-sorting them by depth fails where links interlock. PyBullet draws the same pictures, but has wheels for two Pythons on
-Linux only.
+`numpy.maximum.at` keeps the nearest of all surfaces that cover a sample, with its colour. Other renderers need OpenGL,
+which a machine without a display lacks, or wheels that most Pythons do not have.
 """
 
 from dataclasses import dataclass
@@ -36,15 +32,6 @@ class Triangles:
     faces: Ints  # (F, 3) indices of vertices
     normals: Floats  # (V, 3) unit vectors outwards
     grey: Floats  # (V,) 0 … 1
-
-
-@dataclass(frozen=True, eq=False)
-class Balls:
-    """Balls of one radius in the world."""
-
-    centres: Floats  # (B, 3) m
-    colours: Floats  # (B, 3) RGB, 0 … 1
-    radius: float  # m
 
 
 class DepthBuffer:
@@ -92,20 +79,23 @@ class DepthBuffer:
         )
         self._keep_nearest(row, column, nearness, np.stack([shade] * 3, -1))
 
-    def add_balls(self, balls: Balls) -> None:
-        """Draw balls exactly: the ray of each sample is intersected with the spheres whose images are near it."""
-        corners = balls.centres[None] + balls.radius * CUBE[:, None]  # (8, B, 3)
+    def add_balls(self, centres: Floats, colours: Floats, radius: float) -> None:
+        """Draw balls exactly: the ray of each sample is intersected with the spheres whose images are near it.
+
+        centres: (B, 3) m in the world; colours: (B, 3) RGB, 0 … 1.
+        """
+        corners = centres[None] + radius * CUBE[:, None]  # (8, B, 3)
         x, y, depth = (np.reshape(part, corners.shape[:2]) for part in self._project(corners.reshape(-1, 3)))
         ball, row, column = self._samples_in_boxes(np.where(depth >= NEAR_M, x, np.nan), y)
         ray = self._camera.ray((np.stack([column, row], -1) + 0.5) / self._samples)
-        centre = (balls.centres - self._camera.T_world_camera[:3, 3])[ball]
+        centre = (centres - self._camera.T_world_camera[:3, 3])[ball]
         along, square = (ray * centre).sum(-1), (ray * ray).sum(-1)
-        discriminant = along**2 - square * ((centre**2).sum(-1) - balls.radius**2)
+        discriminant = along**2 - square * ((centre**2).sum(-1) - radius**2)
         hit = np.flatnonzero(discriminant >= 0)
         depth = (along[hit] - np.sqrt(discriminant[hit])) / square[hit]  # a ray has depth 1
-        normals = (depth[:, None] * ray[hit] - centre[hit]) / balls.radius
-        colours = balls.colours[ball[hit]] * illumination(normals)[:, None]
-        self._keep_nearest(row[hit], column[hit], 1 / depth, colours)
+        normals = (depth[:, None] * ray[hit] - centre[hit]) / radius
+        seen = colours[ball[hit]] * illumination(normals)[:, None]
+        self._keep_nearest(row[hit], column[hit], 1 / depth, seen)
 
     def _project(self, points: Floats) -> tuple[Floats, Floats, Floats]:
         """Samples x, y, whole numbers at their centres, and depths [m]: (N, 3) m -> (N,) each."""

@@ -109,19 +109,15 @@ def first_hit(
     for link, mesh in meshes.items():
         R, t = T_world_links[link][:3, :3], T_world_links[link][:3, 3]
         local_origin, local_direction = (origin - t) @ R, direction @ R
-        if not _meets_bounding_sphere(mesh, local_origin, local_direction):
+        low, high = mesh.bounds
+        centre, radius = (low + high) / 2 - local_origin, np.linalg.norm(high - low) / 2
+        along = max(float(centre @ local_direction), 0.0)
+        if np.linalg.norm(centre - along * local_direction) > radius:  # it misses the sphere around the mesh's box
             continue
         distance = ray_distances(mesh.triangles, local_origin, local_direction).min(initial=np.inf)
         if np.isfinite(distance) and (found is None or distance < found.distance):
             found = SurfaceHit(float(distance), link, local_origin + distance * local_direction)
     return found
-
-
-def _meets_bounding_sphere(mesh: Mesh, origin: Floats, direction: Floats) -> bool:
-    """Whether a ray, with a unit vector, meets the sphere around a mesh's box."""
-    low, high = mesh.bounds
-    centre, radius = (low + high) / 2 - origin, np.linalg.norm(high - low) / 2
-    return bool(np.linalg.norm(centre - max(float(centre @ direction), 0.0) * direction) <= radius)
 
 
 def ray_distances(triangles: Floats, origin: Floats, direction: Floats) -> Floats:

@@ -98,15 +98,10 @@ class Motors:
         for joint, angle in zip(self._joints, theta, strict=True):
             self._client.resetJointState(self._body, joint, float(angle))
         for joint, angle, effort, speed in zip(self._joints, command, self._effort, self._speed, strict=True):
+            by_position, most = self._client.POSITION_CONTROL, {"force": effort, "maxVelocity": speed}
+            gains = {"positionGain": STIFFNESS, "velocityGain": DAMPING}
             self._client.setJointMotorControl2(
-                self._body,
-                joint,
-                self._client.POSITION_CONTROL,
-                targetPosition=float(angle),
-                force=effort,
-                maxVelocity=speed,
-                positionGain=STIFFNESS,
-                velocityGain=DAMPING,
+                self._body, joint, by_position, targetPosition=float(angle), **most, **gains
             )
         for _ in range(round(MAX_MOTION_S / STEP_S / CHECK_EVERY)):
             for _ in range(CHECK_EVERY):
@@ -133,7 +128,10 @@ def write_urdf(scene: Scene, folder: Path) -> Path:
                 _fix(joint, robot.joints[revolute - 1], np.radians(scene.posture_deg[revolute - 1]))
         elif joint is not None:
             joint.set("type", "fixed")  # fingers too
-        _add_zero_mass(link)
+        if link.find("inertial") is None:  # for which PyBullet assumes 1 kg
+            inertial = ElementTree.SubElement(link, "inertial")
+            ElementTree.SubElement(inertial, "mass", value="0")
+            ElementTree.SubElement(inertial, "inertia", dict.fromkeys(INERTIA, "0"))
     path = folder / "arm.urdf"
     ElementTree.ElementTree(root).write(path)
     return path
@@ -147,14 +145,6 @@ def _fix(element: ElementTree.Element, joint: Joint, angle: float) -> None:
         origin = ElementTree.SubElement(element, "origin")
     origin.set("xyz", _text(T[:3, 3]))
     origin.set("rpy", _text(trimesh.transformations.euler_from_matrix(T, "sxyz")))
-
-
-def _add_zero_mass(link: ElementTree.Element) -> None:
-    """PyBullet assumes 1 kg for a link without inertia."""
-    if link.find("inertial") is None:
-        inertial = ElementTree.SubElement(link, "inertial")
-        ElementTree.SubElement(inertial, "mass", value="0")
-        ElementTree.SubElement(inertial, "inertia", dict.fromkeys(INERTIA, "0"))
 
 
 def _text(numbers: ArrayLike) -> str:

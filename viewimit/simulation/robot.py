@@ -288,7 +288,7 @@ def link_meshes(robot: str, held_only: bool = False) -> dict[int, Mesh]:
         from .urdf.shapes import shapes_of  # loads trimesh
 
         shapes = shapes_of(parse_reference(robot))
-        return shapes.held if held_only else shapes.meshes
+        return shapes.split()[0] if held_only else shapes.meshes
     return _shipped_meshes(robot)
 
 

@@ -191,16 +191,11 @@ def corners(camera: Camera) -> Floats:
 
 
 def _pedestal(world: World, arm: str, T_world_base: Floats) -> Solid:
-    x, y, height = T_world_base[:3, 3] + [0, 0, _below(world, T_world_base)]
     size = world.scene.size
+    below = float((link_meshes(world.scene.robot)[0].vertices @ T_world_base[2, :3]).min())  # its lowest vertex
+    x, y, height = T_world_base[:3, 3] + [0, 0, below if below < -MIN_LEGS * size else 0]
     vertices, faces = pedestal(max(height / size, 0.03))
     return Solid(f"{arm}_pedestal", "pedestal", size * vertices, faces, np.array([x, y, height]), np.eye(3))
-
-
-def _below(world: World, T_world_base: Floats) -> float:
-    """Return the height of a base's lowest vertex above its origin, negative for legs, m; 0 for a mounted base."""
-    lowest = float((link_meshes(world.scene.robot)[0].vertices @ T_world_base[2, :3]).min())
-    return lowest if lowest < -MIN_LEGS * world.scene.size else 0.0
 
 
 def _head(world: World) -> Iterator[Solid]:
@@ -210,15 +205,13 @@ def _head(world: World) -> Iterator[Solid]:
     forward = sum(camera.T_world_camera[:3, 2] for camera in cameras_of(world)) * [1, 1, 0]
     turn = rotation_about_axis([0, 0, 1], np.arctan2(forward[1], forward[0]))
     half = world.scene.head.baseline / 2 / size
-    yield _solid("stand", "metal", stand(below[2] / size), size, below, turn)
-    yield _solid("bar", "metal", box((0.04, 2 * half + 0.06, 0.025)), size, below, turn)
-    for side in (-1, 1):
-        place = centre + size * (turn @ [-0.035, side * half, 0])
-        yield _solid(f"camera{side}", "lens", box((0.07, 0.09, 0.065)), size, place, turn)
-
-
-def _solid(name: str, colour: str, shape: Mesh, size: float, position: Floats, turn: Floats) -> Solid:
-    return Solid(name, colour, size * shape[0], shape[1], position, turn)
+    eyes = [(f"camera{side}", centre + size * (turn @ [-0.035, side * half, 0])) for side in (-1, 1)]
+    for name, colour, (vertices, faces), place in (
+        ("stand", "metal", stand(below[2] / size), below),
+        ("bar", "metal", box((0.04, 2 * half + 0.06, 0.025)), below),
+        *((name, "lens", box((0.07, 0.09, 0.065)), place) for name, place in eyes),
+    ):
+        yield Solid(name, colour, size * vertices, faces, place, turn)
 
 
 # Shapes. All are closed and their faces turn outwards: a renderer then draws one side only, in half the time, and casts
@@ -234,18 +227,13 @@ def octahedron(size: float) -> Mesh:
 def turned(profile: list[tuple[float, float]], sides: int = 32) -> Mesh:
     """Return a solid of revolution about z with sharp edges. profile: (radius, z) m from the bottom up."""
     angles = np.linspace(0, 2 * np.pi, sides, endpoint=False)
-    circle = np.stack([np.cos(angles), np.sin(angles)], -1)
-    vertices: list[Floats] = []
-    faces: list[Floats] = []
-    for (r0, z0), (r1, z1) in zip(profile, profile[1:]):
-        first = sum(len(ring) for ring in vertices)
-        for r, z in ((r0, z0), (r1, z1)):
-            vertices.append(np.column_stack([circle * r, np.full(sides, z)]))
-        i, j = np.arange(sides), (np.arange(sides) + 1) % sides
-        lower, upper = first + i, first + sides + i
-        faces.append(np.column_stack([lower, first + j, upper]))
-        faces.append(np.column_stack([first + j, first + sides + j, upper]))
-    return np.concatenate(vertices).astype(np.float32), np.concatenate(faces).astype(np.uint32)
+    circle = np.stack([np.cos(angles), np.sin(angles), np.ones(sides)], -1)
+    rings = np.repeat(np.array(profile), 2, 0)[1:-1]  # lower and upper edge of each band
+    vertices = circle * rings[:, None, [0, 0, 1]]
+    i, j = np.arange(sides), (np.arange(sides) + 1) % sides
+    band = np.concatenate([np.column_stack([i, j, sides + i]), np.column_stack([j, sides + j, sides + i])])
+    faces = 2 * sides * np.arange(len(profile) - 1)[:, None, None] + band
+    return vertices.reshape(-1, 3).astype(np.float32), faces.reshape(-1, 3).astype(np.uint32)
 
 
 def pedestal(height: float) -> Mesh:
@@ -291,18 +279,14 @@ def fit_view(points: Floats, aspect: float, below: float) -> tuple[Floats, Float
     up, backward = -down, -forward
     tan = np.tan(FOV / 2)
     x, y, z = points @ right, points @ up, points @ backward
-    eye = []
-    for coordinate, low_slope, high_slope in (
-        (x, tan * aspect * MARGIN, tan * aspect * MARGIN),
-        (y, tan * (1 - 2 * below) * MARGIN, tan * MARGIN),
-    ):
-        high, low = np.max(coordinate + high_slope * z), np.min(coordinate - low_slope * z)
-        distance = (high - low) / (high_slope + low_slope)
-        eye.append((distance, high_slope, low_slope, high, low))
-    distance = max(eye[0][0], eye[1][0])
-    centres = []  # where the other direction decides the distance, centre in the room that is left
-    for _, high_slope, low_slope, high, low in eye:
-        centres.append((high - high_slope * distance + low + low_slope * distance) / 2)
-    position = centres[0] * right + centres[1] * up + distance * backward
+    low_slopes = tan * aspect * MARGIN, tan * (1 - 2 * below) * MARGIN
+    high_slopes = tan * aspect * MARGIN, tan * MARGIN
+    bounds = []
+    for along, low_slope, high_slope in zip((x, y), low_slopes, high_slopes):
+        bounds.append((np.max(along + high_slope * z), high_slope, np.min(along - low_slope * z), low_slope))
+    distance = max((high - low) / (high_slope + low_slope) for high, high_slope, low, low_slope in bounds)
+    # where the other direction decides the distance, centre in the room that is left
+    across, upwards = ((high - up_ * distance + low + down_ * distance) / 2 for high, up_, low, down_ in bounds)
+    position = across * right + upwards * up + distance * backward
     depth = distance - np.mean(z)
     return position, position - depth * backward

@@ -53,9 +53,8 @@ def scene_text(scene: Scene) -> str:
     Raises ValueError for a robot that is not shipped, because no text holds its files.
     """
     if scene.robot not in robot_names():
-        raise ValueError(
-            f"its robot, {scene.robot}, is not among those that are everywhere, {', '.join(robot_names())}"
-        )
+        everywhere = ", ".join(robot_names())
+        raise ValueError(f"its robot, {scene.robot}, is not among those that are everywhere, {everywhere}")
     fields = msgspec.to_builtins(scene)
     candidates = [whole_text(scene)]
     for name, below in _shipped_fields().items():
@@ -86,6 +85,7 @@ def toml(value: Any) -> str:
 
 
 def _commented_lines(fields: dict[str, Any], robot: Robot) -> Iterator[str]:
+    links = ["base", *(f"moved by {escape(joint.name, MAX_NAME_CHARS)}" for joint in robot.joints)]
     tables = {name: value for name, value in fields.items() if isinstance(value, dict)}
     for name, value in fields.items():
         if name in tables:
@@ -101,7 +101,7 @@ def _commented_lines(fields: dict[str, Any], robot: Robot) -> Iterator[str]:
         for key, value in table.items():
             if name == "points":
                 yield f"{key} = ["
-                yield from (f"  {toml(point)},  # {_link_comment(robot, point[0])}" for point in value)
+                yield from (f"  {toml(point)},  # {links[point[0]]}" for point in value)
                 yield "]"
             elif isinstance(value, dict):  # a camera of the head, after the values of both cameras
                 given = {k: v for k, v in value.items() if v is not None and tuple(v) != Eye().distortion}
@@ -123,10 +123,6 @@ def _joint_lines(robot: Robot) -> Iterator[str]:
         else:
             motion = "{:.5g}° … {:.5g}°".format(*np.degrees((joint.lower, joint.upper)))
         yield f"#   {number} {escape(joint.name, MAX_NAME_CHARS)}: {motion}"
-
-
-def _link_comment(robot: Robot, number: int) -> str:
-    return f"moved by {escape(robot.joints[number - 1].name, MAX_NAME_CHARS)}" if number else "base"
 
 
 @cache

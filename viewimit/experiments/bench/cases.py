@@ -319,11 +319,7 @@ CLAIMS: list[tuple[str, Callable[[Draw], Session], Callable[[Run], bool]]] = [
     ("20 points, hidden beyond the rim", partial(on_surface, count=20, hidden=-0.3), arrives),
     ("5 points", partial(on_surface, count=5), claims_nothing_false),
     *(
-        (
-            f"noise {px} px, {frames} frame{'s' * (frames > 1)}",
-            partial(posed, noise_px=px, frames=frames),
-            arrives,
-        )
+        (f"noise {px} px, {frames} frame{'s' * (frames > 1)}", partial(posed, noise_px=px, frames=frames), arrives)
         for frames in (25, 1)
         for px in (0.1, 0.25, 0.5, 1.0)
     ),

@@ -35,6 +35,11 @@ def share(name: str, of: str = "") -> Any:
                                   and (not of or run.measures[of])])  # fmt: skip
 
 
+def within(name: str, limit: float) -> Any:
+    """Return a column: the share of runs whose measure is at most a limit."""
+    return lambda runs: share_of(values(runs, name) <= limit)
+
+
 def over(name: str, statistic: Any) -> Any:
     """Return a column: a statistic of a measure, None where no run has it."""
     return lambda runs: float(statistic(found)) if len(found := values(runs, name)) else None
@@ -53,14 +58,10 @@ def minimum(session: Session, draw: Draw) -> dict[str, float]:
     }
 
 
-def _share_within(runs: Sequence[Run], name: str, limit: float) -> Any:
-    return share_of(values(runs, name) <= limit)
-
-
 OF_MINIMUM: Measures = {
-    **{f"own_minimum_{limit:g}": partial(_share_within, name="own_deg", limit=limit) for limit in WITHIN_DEG},
-    "came_own_minimum_3": lambda runs: share_of(values(runs, "nearest_own_deg") <= WITHIN_DEG[-1]),
-    "came_3": lambda runs: share_of(values(runs, "nearest_deg") <= WITHIN_DEG[-1]),
+    **{f"own_minimum_{limit:g}": within("own_deg", limit) for limit in WITHIN_DEG},
+    "came_own_minimum_3": within("nearest_own_deg", WITHIN_DEG[-1]),
+    "came_3": within("nearest_deg", WITHIN_DEG[-1]),
     "claimed_off_own_minimum": lambda runs: Share.of(
         run.claimed and run.measures["own_deg"] > FALSE_DEG for run in runs
     ),

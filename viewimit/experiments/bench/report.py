@@ -8,11 +8,15 @@ from pathlib import Path
 from typing import Any
 
 from ...servo import ServoStatus
+from ..experiment import cell
 from .engine import FALSE_DEG, N_SIGMA, N_SIGMA_COVERED, NEAR_DEG, Run, Summary, arrives
 from .intervals import Interval
 
-NEEDED = ("case", "run", "servo", "motions", "status", "error_deg", "expected_deg", "E_px2")
-COLUMNS = ("transfer", "reason", "travel_deg", "cpu_s", "ended", "kept", "joint_errors_deg")
+# columns of a table: fields of `Run`; those of NEEDED stand in every table
+NEEDED = {name: name for name in ("case", "run", "servo", "motions", "status", "error_deg", "expected_deg", "E_px2")}
+NEEDED["run"] = "number"
+COLUMNS = NEEDED | {name: name for name in ("transfer", "reason", "travel_deg", "cpu_s", "ended", "kept")}
+ERRORS = "joint_errors_deg"
 
 
 def lay_out(found: Sequence[Summary]) -> str:
@@ -104,20 +108,11 @@ def write_runs(runs: Sequence[Run], path: Path) -> None:
     measures = dict.fromkeys(name for run in runs for name in run.measures)
     with path.open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
-        rows.writerow([*NEEDED, *COLUMNS, *measures])
+        rows.writerow([*COLUMNS, ERRORS, *measures])
         for run in runs:
-            errors = ";".join(map(_cell, run.errors_deg))
-            known = [run.case, run.number, run.servo, run.motions, run.status, run.error_deg, run.expected_deg,
-                     run.E_px2, run.transfer, run.reason, run.travel_deg, run.cpu_s, run.ended, run.kept]  # fmt: skip
-            rows.writerow([*map(_cell, known), errors, *(_cell(run.measures.get(name)) for name in measures)])
-
-
-def _cell(value: Any) -> Any:
-    if isinstance(value, bool):
-        return int(value)
-    if isinstance(value, float):
-        return "" if math.isnan(value) else f"{value:.10g}"
-    return "" if value is None else value
+            known = [getattr(run, name) for name in COLUMNS.values()]
+            errors = ";".join(map(cell, run.errors_deg))
+            rows.writerow([*map(cell, known), errors, *(cell(run.measures.get(name)) for name in measures)])
 
 
 def read_runs(path: Path) -> list[Run]:
@@ -141,24 +136,16 @@ def read_runs(path: Path) -> list[Run]:
 
 def _run(line: dict[str, str]) -> Run:
     """A row as a run; what an earlier table lacks is unknown."""
-    number = lambda name: float(line.get(name) or "nan")
-    errors = line.get("joint_errors_deg") or line["error_deg"]
-    known = {*NEEDED, *COLUMNS}
+    said: dict[str, Any] = {name: line.get(name, "") for name in ("case", "transfer", "servo", "reason")}
+    said |= {name: float(line.get(name) or "nan") for name in ("expected_deg", "E_px2", "travel_deg", "cpu_s")}
     run = Run(
-        case=line["case"],
-        transfer=line.get("transfer", ""),
-        servo=line["servo"],
+        **said,
         number=int(line["run"]),
         motions=int(line["motions"]),
         status=ServoStatus(line["status"]),
-        reason=line.get("reason", ""),
-        errors_deg=tuple(map(float, errors.split(";"))),
-        expected_deg=number("expected_deg"),
-        E_px2=number("E_px2"),
-        travel_deg=number("travel_deg"),
-        cpu_s=number("cpu_s"),
+        errors_deg=tuple(map(float, (line.get(ERRORS) or line["error_deg"]).split(";"))),
         ended=line.get("ended", "1") == "1",
         kept=False,
-        measures={name: float(value) for name, value in line.items() if value and name not in known},
+        measures={name: float(value) for name, value in line.items() if value and name not in (*COLUMNS, ERRORS)},
     )
     return replace(run, kept=line["kept"] == "1" if "kept" in line else arrives(run))

@@ -75,7 +75,7 @@ def over_range(world: World, transfer: str, with_condition: bool = False) -> Lan
     """Compute E over the range, with all points in sight."""
     images = scene_demonstrator(world)
     seen = np.ones((len(images), 2), bool)
-    return landscape_over(world, TRANSFERS[transfer], images, seen, with_condition=with_condition)
+    return landscape_over(world, TRANSFERS[transfer], images, seen, grid_axes(world), with_condition)
 
 
 def E_of_images(transfer: str, demo: NDArray[np.float64], own: NDArray[np.float64]) -> NDArray[np.float64]:

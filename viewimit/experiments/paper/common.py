@@ -8,7 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...drawing import svg
+from ...analysis.landscape import Landscape
+from ...drawing import relief, svg
+from ...drawing.labels import Labels
+from ...drawing.posture_plane import PosturePlane
 from ...drawing.theme import OBSERVED
 from ...estimation.equations import with_minus
 from ...loop.settings import Settings, disturbances
@@ -149,6 +152,16 @@ def grid_rows(*axes: NDArray[np.float64]) -> NDArray[np.float64]:
 def demonstrator_mark(place: NDArray[np.float64]) -> str:
     """Draw the diamond of the demonstrator's posture at (x, y) px."""
     return f'<path class="vi-seen" d="{svg.diamonds(place[None], OBSERVED + 1)}"/>'
+
+
+def draw_surface(
+    plane: PosturePlane, surface: Landscape, labels: Labels, points: NDArray[np.float64], lowest: NDArray[np.float64]
+) -> str:
+    """Draw E with its level lines. labels: of these lines, which leave the points (k, 2) px and the lowest one free."""
+    grid, E = plane.grid(surface.axes), surface.E
+    labels.take_points(points, 9)
+    levels = relief.level_labels(grid, E, labels.bounds, lowest)
+    return relief.shading(grid, E, plane.box) + relief.contours(grid, E) + labels.draw(levels)
 
 
 def legend_marks(cross: float) -> list[tuple[str, str]]:

@@ -58,7 +58,6 @@ class Fig10:
     recorded: bool  # the motion, or else it is one of MOTIONS
     motions: int  # of the convergence
     status: ServoStatus  # at its end
-    fitted_deg: dict[str, NDArray[np.float64]]  # by RUNS: postures in which the frozen transfers were fitted
     converged: FittedTransfer  # fitted at the end of the convergence
     runs: dict[str, Trajectory]  # by RUNS
 
@@ -129,10 +128,9 @@ def run(
     asked = {CONVERGED: (last, hand), BODY: (last, everything), BEFORE: (first, hand), SAME: (there, hand)}
     if last.transfer is None or any(moment.transfer is None for moment, __ in asked.values()):
         raise ValueError("too few points are seen in all four images to fit a transfer")
-    fitted = {name: np.degrees(moment.theta) for name, (moment, __) in asked.items()}
     scene = session.scene
     made = (session.settings, scene.moving_joints, scene.head.image, played, recorded, last.motion, last.status)
-    found = Fig10(*made, fitted, last.transfer, {})
+    found = Fig10(*made, last.transfer, {})
     for k, (name, (moment, followed)) in enumerate(asked.items()):
         low, high = CONVERGENCE_SHARE + (1 - CONVERGENCE_SHARE) * np.array([k, k + 1]) / len(asked)
         assert moment.transfer is not None  # checked above

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...analysis.landscape import Landscape, conflict_at, grid_axes, landscape_over, seen_from
 from ...analysis.minima import MAX_RELATIVE_ERROR, RADII_DEG, Conflict, Convexity, Minima, convexity, local_minima
-from ...drawing import relief, svg
+from ...drawing import svg
 from ...drawing.labels import CHARACTER
 from ...drawing.plots import Axes, decade_ticks, decades, figure, log10, sentence, style_of
 from ...drawing.posture_plane import PosturePlane
@@ -23,6 +23,7 @@ from .common import (
     Claims,
     Progress,
     demonstrator_mark,
+    draw_surface,
     grid_rows,
     in_degrees,
     legend_entry,
@@ -153,7 +154,8 @@ def run(
     each joint.
     """
     session = Session(settings)
-    axes = grid_axes(session.world, step_deg or grid_step_deg(session))
+    coarser = float(np.sqrt(np.prod(np.diff(session.scene.range_deg)) / PAPER_RANGE_DEG2))
+    axes = grid_axes(session.world, step_deg or max(1.0, coarser))
     demo_deg, joints = given(session.settings.demonstrator_deg), session.scene.moving_joints
     found = Fig7(session.settings, demo_deg, joints, {}, {})
     others = _demonstrators(axes, study)
@@ -171,11 +173,6 @@ def run(
             found, done = replace(found, studies={**found.studies, transfer: study_so_far}), done + 1
             progress(done / total, found)
     return found
-
-
-def grid_step_deg(session: Session) -> float:
-    """Return the step at which the grid has as many postures as the paper's ranges at 1°, at least 1°."""
-    return max(1.0, float(np.sqrt(np.prod(np.diff(session.scene.range_deg)) / PAPER_RANGE_DEG2)))
 
 
 def _minima(session: Session, transfer: str, axes: tuple[NDArray, NDArray]) -> tuple[Conflict, Landscape, Minima]:
@@ -231,15 +228,11 @@ def _map(scene: Scene, found: Fig7 | None) -> str:
 
 
 def _relief(plane: PosturePlane, found: Fig7, surface: Surface) -> str:
-    grid, E = plane.grid(surface.landscape.axes), surface.landscape.E
     demo = plane.place(np.array(found.demonstrator_deg))
     minima = plane.place(np.degrees(surface.minima.theta))
     lowest = minima[0] if len(minima) else demo
-    plane.labels.take_points(np.stack([demo, *minima]), 9)
-    levels = relief.level_labels(grid, E, plane.labels.bounds, lowest)
-    parts = [relief.shading(grid, E, plane.box), relief.contours(grid, E), plane.labels.draw(levels)]
-    parts.append(_ellipse(plane, surface))
-    parts.append(demonstrator_mark(demo))
+    drawn = draw_surface(plane, surface.landscape, plane.labels, np.stack([demo, *minima]), lowest)
+    parts = [drawn, _ellipse(plane, surface), demonstrator_mark(demo)]
     parts += [svg.cross(place, CROSS if k == 0 else CROSS / 2) for k, place in enumerate(minima)]
     return "".join(parts)
 

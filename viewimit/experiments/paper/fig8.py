@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.landscape import Landscape, conflict_of_images
-from ...drawing import relief, svg
+from ...drawing import svg
 from ...drawing.plots import WIDTH, figure
 from ...drawing.posture_plane import PosturePlane
 from ...estimation.transfers import TRANSFERS
@@ -15,7 +15,17 @@ from ...loop.session import Session
 from ...loop.settings import Settings
 from ...simulation.scene import Scene
 from ..experiment import Tables, joint_columns, stacked
-from .common import Claims, Progress, demonstrator_mark, grid_rows, in_degrees, legend_entry, legend_marks, no_progress
+from .common import (
+    Claims,
+    Progress,
+    demonstrator_mark,
+    draw_surface,
+    grid_rows,
+    in_degrees,
+    legend_entry,
+    legend_marks,
+    no_progress,
+)
 
 PAPER_MINIMUM_DEG = (45.0, -86.0)
 STEP_DEG = 10.0  # of θ2 in the paper; that of θ4 is not printed
@@ -185,20 +195,11 @@ def _panel(plane: PosturePlane, found: Fig8, name: str) -> tuple[str, str, str]:
     E, background = surface.landscape.E, plane.frame("vi-plane")
     if np.isnan(E).all():
         return name, "", background + plane.message("nowhere are five points seen")
-    grid, lowest = plane.grid(surface.landscape.axes), plane.place(np.degrees(surface.landscape.minimum))
-    labels = plane.labels.copy()
-    labels.take_points(np.stack([lowest, plane.place(found.demonstrator_deg)]), 9)
-    levels = labels.draw(relief.level_labels(grid, E, labels.bounds, lowest))
-    drawn = relief.shading(grid, E, plane.box) + relief.contours(grid, E) + levels + _marks(plane, found, surface)
-    return name, f"E {svg.short(np.nanmin(E), 10)} … {svg.short(np.nanmax(E), 10)} px²", background + drawn
-
-
-def _marks(plane: PosturePlane, found: Fig8, surface: Surface) -> str:
-    return (
-        demonstrator_mark(plane.place(found.demonstrator_deg))
-        + svg.cross(plane.place(np.degrees(surface.landscape.minimum)), CROSS)
-        + svg.saltire(plane.place(np.array(PAPER_MINIMUM_DEG)))
-    )
+    lowest, demo = plane.place(np.degrees(surface.landscape.minimum)), plane.place(found.demonstrator_deg)
+    drawn = draw_surface(plane, surface.landscape, plane.labels.copy(), np.stack([lowest, demo]), lowest)
+    paper = svg.saltire(plane.place(np.array(PAPER_MINIMUM_DEG)))
+    note = f"E {svg.short(np.nanmin(E), 10)} … {svg.short(np.nanmax(E), 10)} px²"
+    return name, note, background + drawn + demonstrator_mark(demo) + svg.cross(lowest, CROSS) + paper
 
 
 def _points(plane: PosturePlane, found: Fig8, half: list[float]) -> tuple[str, str, str]:

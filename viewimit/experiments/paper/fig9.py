@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -22,7 +23,9 @@ PAPERS_LAWS, BESIDE = ("gradient", "gradient-retuned"), "broyden"
 MAX_MOTIONS = 3_000
 STARTS = (2, 3)  # for each joint of two, evenly over its range, besides the scene's own
 OFFSET_DEG = 30.0  # largest distance of each start from the demonstrator unless two joints move
-PICTURE_LAWS, PICTURE_MOTIONS, PICTURE_STARTS = (*PAPERS_LAWS, BESIDE, "likelihood"), 300, (1, 2)
+ON_PICTURES: dict[str, Any] = {  # of which two take a tenth of a second: fewer starts and motions, and one more servo
+    "starts": (1, 2), "max_motions": 300, "laws": (*PAPERS_LAWS, BESIDE, "likelihood"),
+}  # fmt: skip
 WITHIN_DEG = (3.0, 1.0)
 MARGIN = 1 / 6  # of a joint's range that is left free at both ends
 SUBJECTS = {"gradient": "the law as printed", "gradient-retuned": "the law retuned"}  # of claims
@@ -116,7 +119,7 @@ class Fig9:
             count = np.arange(len(run.E))
             motions.append({"run": k, "law": run.law, "motion": count, **theta, "E_px2": run.E, "probe": run.probe})
             start = joint_columns(self.joints, "start", np.array([run.start_deg]))
-            until = {f"motions_to_{near:g}_deg": np.array([_or_nan(run.motions_until(near))]) for near in WITHIN_DEG}
+            until = {f"motions_to_{near:g}_deg": np.array([run.motions_until(near)], float) for near in WITHIN_DEG}
             ended = {"motions": len(run.E) - 1, "error_deg": run.error_deg[-1], "status": run.status}
             arrivals.append({"run": k, "law": run.law, **start, **until, **ended})
         return {"motions": stacked(motions), "arrivals": stacked(arrivals)}
@@ -162,11 +165,6 @@ def run(
     return found
 
 
-def on_pictures(settings: Settings, progress: Progress = no_progress) -> Fig9:
-    """Run on rendered pictures: fewer starts and motions, and one more servo. Two pictures take a tenth of a second."""
-    return run(settings, progress, PICTURE_STARTS, PICTURE_MOTIONS, PICTURE_LAWS)
-
-
 def _spread(session: Session, counts: tuple[int, ...]) -> list[tuple[float, ...]]:
     scene = session.scene
     margin = MARGIN * (np.degrees(scene.upper) - np.degrees(scene.lower))
@@ -192,10 +190,6 @@ def _run(session: Session) -> Run:
         np.array([moment.probe for moment in past]),
         past[-1].status,
     )
-
-
-def _or_nan(count: int | None) -> float:
-    return np.nan if count is None else float(count)
 
 
 def draw(scene: Scene, found: Fig9 | None = None) -> str:

@@ -13,6 +13,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from ...wording import first_of
 from ..files import MAX_NAME_CHARS, escape
 
 NAMED = 20  # columns that are not read, in words
@@ -152,12 +153,8 @@ def require_pixel_unit(where: str, unit: str) -> None:
 
 def name_unread(kind: str, names: Iterable[str]) -> str:
     """Name the columns or arrays that are not read; empty without any."""
-    names = list(dict.fromkeys(names))
-    if not names:
-        return ""
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    listed = ", ".join(escape(name, MAX_NAME_CHARS) for name in names[:NAMED])
-    return f"{kind}{'s' if len(names) > 1 else ''} {listed}{more}"
+    escaped = [escape(name, MAX_NAME_CHARS) for name in dict.fromkeys(names)]
+    return f"{kind}{'s' if len(escaped) > 1 else ''} {first_of(escaped, NAMED)}" if escaped else ""
 
 
 @lru_cache(256)

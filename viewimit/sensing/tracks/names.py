@@ -8,6 +8,7 @@ from difflib import SequenceMatcher
 from itertools import combinations
 
 from ...estimation.views import VIEW_NAMES
+from ...wording import first_of
 from ..files import MAX_NAME_CHARS, escape
 
 NAMED = 6  # names in one list of a message
@@ -63,8 +64,7 @@ def unmatched_names(names: Mapping[str, Collection[str]]) -> str | None:
     said = []
     for views in dict.fromkeys(views_of.values()):
         those = [escape(name, MAX_NAME_CHARS) for name, of in views_of.items() if of == views]
-        more = f" and {len(those) - NAMED} more" if len(those) > NAMED else ""
-        said.append(f"{', '.join(those[:NAMED])}{more} (only {', '.join(VIEW_NAMES[view] for view in views)})")
+        said.append(f"{first_of(those, NAMED)} (only {', '.join(VIEW_NAMES[view] for view in views)})")
     near = [f"{escape(a, MAX_NAME_CHARS)} ~ {escape(b, MAX_NAME_CHARS)}" for a, b in _near(views_of)]
     alike = f"; perhaps the same: {', '.join(near[:NAMED])}" if near else ""
     more = f"; and {len(said) - NAMED} more groups" if len(said) > NAMED else ""

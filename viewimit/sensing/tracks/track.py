@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...estimation.views import VIEW_NAMES, VIEWS, FourViews
 from ...geometry.affine import MIN_POINTS
+from ...wording import first_of
 from ..files import MAX_NAME_CHARS, escape
 from ..frames import is_missing_value
 from .columns import Meaning
@@ -365,7 +366,6 @@ def _notes(tracks: Mapping[str, Track], same: Mapping[str, str]) -> tuple[str, .
             f"visible is 0, 1 or 2, as in COCO: {labelled} points of 1 are labelled, but not visible: left out"
         )
     if same:
-        pairs = ", ".join(f"{escape(a, MAX_NAME_CHARS)} = {escape(b, MAX_NAME_CHARS)}" for a, b in [*same.items()][:6])
-        more = f" and {len(same) - 6} more" if len(same) > 6 else ""
-        notes.append(f"taken for the same point: {pairs}{more}")
+        pairs = [f"{escape(a, MAX_NAME_CHARS)} = {escape(b, MAX_NAME_CHARS)}" for a, b in same.items()]
+        notes.append(f"taken for the same point: {first_of(pairs, 6)}")
     return tuple(notes)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...wording import first_of
 from ..camera import Cameras
 from ..robot import Robot
 from ..urdf.chain import Chain, find_arm, held_links
@@ -42,6 +43,7 @@ MIN_GAIN = 1.02  # by which another yaw must be better
 START = 0.2, 0.8, 0.35  # of the ranges of the moving joints: the learner's start
 
 Floats = NDArray[np.float64]
+Ranges = Sequence[tuple[float, float]]  # of the moving joints [deg]
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,8 @@ def _make_scene(tree: Tree, shapes: Shapes, reference: Reference, joints: tuple[
     among = imitating_joints(robot)
     _require_movable(tree, arm, robot, among, joints)
     rest = rest_posture(robot)
-    surface = sample_arm(shapes.held, robot, rest, (joints or among)[0])
+    held, loose = shapes.split()
+    surface = sample_arm(held, robot, rest, (joints or among)[0])
     lowest = _lowest(shapes, robot, rest)
     yaw, moving = _best_view(robot, rest, surface, lowest, among if joints is None else joints, joints is not None)
     ranges = [turning_range(robot, joint, rest) for joint in moving]
@@ -76,24 +79,22 @@ def _make_scene(tree: Tree, shapes: Shapes, reference: Reference, joints: tuple[
     postures = _posture_grid(robot, rest, moving, ranges)
     sides = [surface.at(robot.link_frames(posture)) for posture in postures]
     rough = fit_to_view(np.array([places for places, _ in sides]), lowest, yaw)
-    body = surface.and_also(sample_links(shapes.loose))
+    body = surface.and_also(sample_links(loose))
     visible = _visibility(rough, [body.at(robot.link_frames(posture)) for posture in postures])[: len(surface.link)]
     part = parts_of(surface.link, moving)
     places = surface.at(robot.link_frames(rest))[0]
-    layouts = {
-        count: chosen
-        for count in LAYOUTS
-        if len(chosen := choose_layout(surface, places, visible, part, count)) == count
-    }
+    chosen = {count: choose_layout(surface, places, visible, part, count) for count in LAYOUTS}
+    layouts = {count: found for count, found in chosen.items() if len(found) == count}
     used = np.unique(np.concatenate(list(layouts.values())))
     placing = fit_to_view(np.array([places[used] for places, _ in sides]), lowest, yaw)
     placing = separate_robots(placing, sample_body(shapes.meshes, robot, rest))
     fields = _fields(tree, reference, robot, moving, ranges, rest, placing)
     fields["points"] = {
-        str(count): [[int(surface.link[k]), *surface.local[k].round(4).tolist()] for k in chosen]
-        for count, chosen in layouts.items()
+        str(count): [[int(surface.link[k]), *surface.local[k].round(4).tolist()] for k in found]
+        for count, found in layouts.items()
     }
-    return AutoScene(fields, tuple(_choices(tree, arm, robot, surface)), shapes.faults)
+    choices = tuple(f"{tree.path}: {line}" for line in _choices(tree, arm, robot, surface))
+    return AutoScene(fields, choices, shapes.faults)
 
 
 def _require_movable(tree: Tree, arm: Chain, robot: Robot, among: list[int], joints: tuple[int, ...] | None) -> None:
@@ -107,9 +108,9 @@ def _require_movable(tree: Tree, arm: Chain, robot: Robot, among: list[int], joi
         return
     stiff = [joint.name for k, joint in enumerate(robot.joints, 1) if k not in among]
     slides = [joint.name for joint in arm.joints if joint.kind in SLIDING]
-    why = f"; {stiff[0]} {_why_fixed(tree, stiff[0])}" if stiff else ""
-    if slides and not stiff:
-        why = f"; {slides[0]} slides, and is held"
+    why = f"; {slides[0]} slides, and is held" if slides else ""
+    if stiff:
+        why = f"; {stiff[0]} {_why_fixed(tree, stiff[0])}"
     raise ValueError(
         f"{tree.path}: from {arm.base} to {arm.tip} {len(among) or 'no'} joint{'s' * (not among)} can turn, "
         f"and two are needed{why}; another chain can be named by --tip"
@@ -138,12 +139,8 @@ def _best_view(
     best: tuple[float, float, list[int]] = (-1.0, 0.0, [])
     for yaw in np.radians(YAWS_DEG):
         placing = fit_to_view(places, lowest, yaw)
-        J = np.concatenate(
-            [
-                image_jacobian(robot, rest, surface, Cameras(placing.cameras(side)), placing.base(side))
-                for side in (1, -1)
-            ]
-        )
+        seen = [(Cameras(placing.cameras(side)), placing.base(side)) for side in (1, -1)]
+        J = np.concatenate([image_jacobian(robot, rest, surface, *one) for one in seen])
         if len(among) == 1:
             pair, score = [among[0]], float(np.linalg.norm(J[:, among[0] - 1]))
         else:
@@ -154,9 +151,7 @@ def _best_view(
     return best[1:]
 
 
-def _posture_grid(
-    robot: Robot, rest: Floats, moving: Sequence[int], ranges: Sequence[tuple[float, float]]
-) -> list[Floats]:
+def _posture_grid(robot: Robot, rest: Floats, moving: Sequence[int], ranges: Ranges) -> list[Floats]:
     """Postures on a grid over the ranges, (n,) rad each."""
     axes = [np.radians(np.linspace(low, high, GRID_ANGLES)) for low, high in ranges]
     found = []
@@ -170,12 +165,8 @@ def _posture_grid(
 def _visibility(placing: Placing, sides: list[tuple[Floats, Floats]]) -> Floats:
     """Fraction of the views of both arms over the ranges that show each place, (K,)."""
     views = sides[:: max(1, len(sides) // VIEW_ANGLES**2)]
-    fractions = [
-        visible_fraction(list(placing.cameras(side)), placing.base(side), places, normals)
-        for side in (1, -1)
-        for places, normals in views
-    ]
-    return np.mean(fractions, axis=0)
+    seen = [(list(placing.cameras(side)), placing.base(side)) for side in (1, -1)]
+    return np.mean([visible_fraction(*one, *each) for one in seen for each in views], axis=0)
 
 
 def _lowest(shapes: Shapes, robot: Robot, rest: Floats) -> float:
@@ -189,7 +180,7 @@ def _fields(
     reference: Reference,
     robot: Robot,
     moving: Sequence[int],
-    ranges: Sequence[tuple[float, float]],
+    ranges: Ranges,
     rest: Floats,
     placing: Placing,
 ) -> dict[str, Any]:
@@ -225,41 +216,26 @@ def _rounded(values: Floats) -> list[float]:
     return [float(value) for value in np.asarray(values).round(4) + 0.0]
 
 
-def _choices(tree: Tree, arm: Chain, robot: Robot, surface: Surface) -> list[str]:
-    lines = [f"{tree.path}: {arm.base} to {arm.tip}, {len(robot.joints)} joints: {_numbered(robot)}"]
+def _choices(tree: Tree, arm: Chain, robot: Robot, surface: Surface) -> Iterator[str]:
+    """Messages about the arm, its joints that do not imitate, and what has no points because it moves by itself."""
+    yield f"{arm.base} to {arm.tip}, {len(robot.joints)} joints: {_numbered(robot)}"
     if arm.equal_tips:
         others = " or ".join(f"--tip {link}" for link in arm.equal_tips[:MAX_NAMED])
         more = f" or {len(arm.equal_tips) - MAX_NAMED} more" if len(arm.equal_tips) > MAX_NAMED else ""
-        lines.append(f"{tree.path}: equally long arms: this one is --tip {arm.tip}; for another, {others}{more}")
+        yield f"equally long arms: this one is --tip {arm.tip}; for another, {others}{more}"
     for joint in arm.joints:
         if joint.kind in SLIDING:
-            lines.append(f"{tree.path}: {joint.name} slides, and is held at {tree.rest(joint, REST_MARGIN):.4g} m")
+            yield f"{joint.name} slides, and is held at {tree.rest(joint, REST_MARGIN):.4g} m"
     for one in robot.joints:
         if one.leader is not None:
-            lines.append(f"{tree.path}: {one.name} follows {robot.joints[one.leader.joint].name}")
-    held = (*_left_out(tree, arm, surface), *_fixed_joints(tree, arm, robot))
-    return lines + [f"{tree.path}: {line}" for line in held]
-
-
-def _left_out(tree: Tree, arm: Chain, surface: Surface) -> Iterator[str]:
-    """Messages about what moves by itself, on which no points lie, and about a base without any."""
+            yield f"{one.name} follows {robot.joints[one.leader.joint].name}"
     held = held_links(tree, arm)
     loose = [joint.name for joint in tree.joints if (joint.parent in held) != (joint.child in held)]
-    drawn = any(shapes for link, shapes in tree.shapes.items() if link not in held)
-    if loose and drawn:
-        more = f" and {len(loose) - MAX_NAMED} more" if len(loose) > MAX_NAMED else ""
-        yield f"no point beyond {', '.join(loose[:MAX_NAMED])}{more}, which the arm does not hold"
+    if loose and any(shapes for link, shapes in tree.shapes.items() if link not in held):
+        yield f"no point beyond {first_of(loose, MAX_NAMED)}, which the arm does not hold"
     if not (surface.link == 0).any():
         yield "no point on the base: all that is drawn of it moves by itself; --base names another link"
-
-
-def _fixed_joints(tree: Tree, arm: Chain, robot: Robot) -> Iterator[str]:
-    """Messages about joints of the arm that neither turn nor slide, and about joints of unknown type anywhere.
-
-    A joint of unknown type may end the arm.
-    """
-    unknown = sorted({joint.kind for joint in tree.joints} - set(KINDS))
-    for kind in unknown:
+    for kind in sorted({joint.kind for joint in tree.joints} - set(KINDS)):  # one of unknown type may end the arm
         names = ", ".join(joint.name for joint in tree.joints if joint.kind == kind)
         yield f"held, as type {kind!r} is none of {', '.join(KINDS)}: {names}"
     turning = {joint.name for joint in robot.joints}

@@ -1,7 +1,6 @@
 """Find the arm of a URDF, the longest chain of revolute joints without fingers, and the joint that moves each link."""
 
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,9 +10,7 @@ from .tree import KINDS, REST_MARGIN, SLIDING, TURNING, Tree, TreeJoint
 
 Floats = NDArray[np.float64]
 
-FINGER = re.compile(
-    r"finger|jaw|thumb|knuckle|claw", re.IGNORECASE
-)  # in the name of a joint or of the link that it moves
+FINGER = re.compile(r"finger|jaw|thumb|knuckle|claw", re.IGNORECASE)  # in the name of a joint or of its child link
 GRIPPER = re.compile(r"grip", re.IGNORECASE)  # in the name of a joint; a link of that name may be the whole hand
 HAND = re.compile(r"grip|hand(?!le)|jaw|claw", re.IGNORECASE)  # in the names of both links of a finger's joint
 MAX_HAND_REACH = 0.35  # of the arm's length
@@ -55,10 +52,9 @@ def find_arm(tree: Tree, base: str | None = None, tip: str | None = None) -> Cha
     arm = _up_to_last_revolute(best)
     if not any(joint.turns and joint.mimic is None for joint in arm):
         start = "the root link" if base is None else f"link {base!r}"
-        slides = any(joint.kind in SLIDING for joint in tree.joints)
-        held = (
-            "; joints that slide are held, and do not count" if slides else "" if tree.joints else "; it has no joint"
-        )
+        held = "" if tree.joints else "; it has no joint"
+        if any(joint.kind in SLIDING for joint in tree.joints):
+            held = "; joints that slide are held, and do not count"
         unknown = next((joint for joint in tree.joints if joint.kind not in KINDS), None)
         if unknown is not None:
             meant = unknown.kind.lower()
@@ -67,19 +63,10 @@ def find_arm(tree: Tree, base: str | None = None, tip: str | None = None) -> Cha
         raise ValueError(f"{tree.path}: no revolute joint between {start} and {tip or 'any tip'}{held}")
     for joint in arm:
         if joint.kind in TURNING and joint.lower > joint.upper:
-            raise ValueError(
-                f"{tree.path}: joint {joint.name!r}: its limits lower={joint.lower:g} upper={joint.upper:g} leave it "
-                "no angle: swap them"
-            )
-    return Chain(arm[0].parent, tip or arm[-1].child, arm, () if tip else _equal_tips(arm, arms))
-
-
-def _equal_tips(arm: tuple[TreeJoint, ...], arms: Iterable[tuple[TreeJoint, ...]]) -> tuple[str, ...]:
-    """Last links of the other arms with as many joints and, but for rounding, the same length."""
-    others = dict.fromkeys(
-        each[-1].child for each in map(_up_to_last_revolute, arms) if each and _is_as_long(each, arm)
-    )
-    return tuple(link for link in others if link != arm[-1].child)
+            limits = f"lower={joint.lower:g} upper={joint.upper:g}"
+            raise ValueError(f"{tree.path}: joint {joint.name!r}: its limits {limits} leave it no angle: swap them")
+    ends = [each[-1].child for each in map(_up_to_last_revolute, arms) if not tip and each and _is_as_long(each, arm)]
+    return Chain(arm[0].parent, tip or arm[-1].child, arm, tuple(dict.fromkeys(e for e in ends if e != arm[-1].child)))
 
 
 def turning_joints(arm: Chain) -> list[TreeJoint]:

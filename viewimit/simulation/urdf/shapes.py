@@ -3,7 +3,7 @@
 Links without shapes are drawn as rods between joints.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -13,6 +13,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from ...wording import first_of
 from ..meshes import Mesh
 from .chain import Chain, carrier_frames, find_arm, held_links
 from .mesh_files import MAX_LINK_FACES, NotFound, creased, load_mesh, mesh_path, simplified
@@ -38,15 +39,12 @@ class Shapes:
     n_held: Mapping[int, int]  # first faces of each mesh that the arm holds: the others move by themselves
     faults: tuple[str, ...]  # messages about what is not drawn, not understood, or looks wrong
 
-    @property
-    def held(self) -> Meshes:
-        """What the arm holds of each mesh."""
-        return {k: Mesh(mesh.vertices, mesh.faces[: self.n_held[k]]) for k, mesh in self.meshes.items()}
-
-    @property
-    def loose(self) -> Meshes:
-        """What moves by itself of each mesh."""
-        return {k: Mesh(mesh.vertices, mesh.faces[self.n_held[k] :]) for k, mesh in self.meshes.items()}
+    def split(self) -> tuple[Meshes, Meshes]:
+        """Return what the arm holds of each mesh, and what moves by itself."""
+        held, loose = Meshes(), Meshes()
+        for k, mesh in self.meshes.items():
+            held[k], loose[k] = (Mesh(mesh.vertices, faces) for faces in np.split(mesh.faces, [self.n_held[k]]))
+        return held, loose
 
 
 def shapes_of(reference: Reference) -> Shapes:
@@ -60,16 +58,16 @@ def shapes_of(reference: Reference) -> Shapes:
 @lru_cache(8)
 def load_shapes(tree: Tree, reference: Reference) -> Shapes:
     """Return the meshes of an arm in a URDF that has been read."""
-    meshes, n_held, missing = _make_meshes(tree, reference)
+    arm = find_arm(tree, reference.base, reference.tip)
+    meshes, n_held, missing = _make_meshes(tree, arm, reference.meshes)
     lines = [f"{tree.path}: not drawn: {fault}" for fault in missing]
-    return Shapes(meshes, n_held, (*tree.faults, *lines, *_implausible_size(tree, reference, meshes)))
+    return Shapes(meshes, n_held, (*tree.faults, *lines, *_implausible_size(tree, arm, meshes)))
 
 
-def _implausible_size(tree: Tree, reference: Reference, meshes: Meshes) -> list[str]:
+def _implausible_size(tree: Tree, arm: Chain, meshes: Meshes) -> list[str]:
     """A message about meshes that are far larger or smaller than the distances between the joints."""
     if not any(shape.kind == "mesh" for shapes in tree.shapes.values() for shape in shapes):
         return []
-    arm = find_arm(tree, reference.base, reference.tip)
     length = sum(float(np.linalg.norm(joint.T_parent_joint[:3, 3])) for joint in arm.joints)
     extent = max((float(np.ptp(mesh.vertices, axis=0).max()) for mesh in meshes.values()), default=0.0)
     if not length > 0 or 1 / MAX_SIZE_RATIO < extent / length < MAX_SIZE_RATIO:
@@ -80,11 +78,9 @@ def _implausible_size(tree: Tree, reference: Reference, meshes: Meshes) -> list[
     ]
 
 
-def _make_meshes(tree: Tree, reference: Reference) -> tuple[Meshes, dict[int, int], list[str]]:
+def _make_meshes(tree: Tree, arm: Chain, folder: Path | None) -> tuple[Meshes, dict[int, int], list[str]]:
     """Meshes by link number, how many of their faces the arm holds, and a message for each reason to draw no more."""
-    arm = find_arm(tree, reference.base, reference.tip)
-    frames = carrier_frames(tree, arm)
-    held = held_links(tree, arm)
+    frames, held = carrier_frames(tree, arm), held_links(tree, arm)
     parts: dict[tuple[int, bool], list[trimesh.Trimesh]] = {}  # by carrier, and whether they move by themselves
     missing: dict[str, dict[str, None]] = {}  # names by the reason
     bare: set[int] = set()  # links with a shape that is not drawn
@@ -98,7 +94,7 @@ def _make_meshes(tree: Tree, reference: Reference) -> tuple[Meshes, dict[int, in
         carrier, T_carrier_link = frames[link]
         for shape in shapes:
             try:
-                mesh = _shape_mesh(tree, shape, files, reference.meshes)
+                mesh = _shape_mesh(tree, shape, files, folder)
             except NotFound as error:
                 missing.setdefault(error.why, {})[error.name] = None
                 bare.add(carrier)
@@ -117,19 +113,15 @@ def _make_meshes(tree: Tree, reference: Reference) -> tuple[Meshes, dict[int, in
         whole = cast(trimesh.Trimesh, trimesh.util.concatenate(each))
         meshes[number] = Mesh(np.array(whole.vertices, float), np.array(whole.faces))
         n_held[number] = len(each[0].faces) if (number, False) in parts else 0
-    return meshes, n_held, [_listed(names, why) for why, names in missing.items()]
+    return (
+        meshes,
+        n_held,
+        [f"{first_of(list(names), MAX_LISTED)}{': each' * (len(names) > 1)} {why}" for why, names in missing.items()],
+    )
 
 
 def _joined(parts: list[trimesh.Trimesh]) -> trimesh.Trimesh:
     return creased(simplified(cast(trimesh.Trimesh, trimesh.util.concatenate(parts)), MAX_LINK_FACES))
-
-
-def _listed(names: Iterable[str], why: str) -> str:
-    """What is not drawn for one reason, in a line."""
-    first, more = list(names)[:MAX_LISTED], len(list(names)) - MAX_LISTED
-    if len(first) == 1:
-        return f"{first[0]} {why}"
-    return f"{', '.join(first)}{f' and {more} more' if more > 0 else ''}: each {why}"
 
 
 def _shape_mesh(

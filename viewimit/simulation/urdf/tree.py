@@ -166,10 +166,7 @@ def _parsed(path: Path, content: bytes) -> Tree:
         raise ValueError(f"{path}: it has {count} joints, more than {MAX_JOINTS}: keep those of the robot only")
     joints = _with_leaders(tuple(_read_joint(path, element, faults) for element in root.findall("joint")))
     links = root.findall("link")
-    _require_one_each(path, "joints", [joint.name for joint in joints])
-    _require_one_each(path, "links", [link.get("name", "?") for link in links])
-    _require_tree(path, joints)
-    _require_links(path, joints, {link.get("name", "?") for link in links})
+    _require_tree(path, joints, [link.get("name", "?") for link in links])
     shapes: dict[str, tuple[Shape, ...]] = {}
     for tag in ("visual", "collision"):
         count = sum(len(link.findall(tag)) for link in links)
@@ -213,42 +210,33 @@ def _with_leaders(joints: tuple[TreeJoint, ...]) -> tuple[TreeJoint, ...]:
     return tuple(joint if joint.mimic is None else replace(joint, mimic=leader(joint.mimic)) for joint in joints)
 
 
-def _require_one_each(path: Path, kind: str, names: list[str]) -> None:
-    """Names are unique."""
-    doubled = next((name for name, count in Counter(names).items() if count > 1), None)
-    if doubled is not None:
-        count = names.count(doubled)
-        raise ValueError(f"{path}: {count} {kind} are named {_short(doubled)!r}: give each a name of its own")
-
-
-def _require_tree(path: Path, joints: tuple[TreeJoint, ...]) -> None:
-    """No link is the child of two joints."""
+def _require_tree(path: Path, joints: tuple[TreeJoint, ...], links: list[str]) -> None:
+    """Names are unique, no link is the child of two joints, and joints name links that exist, if the file has any."""
+    for kind, names in (("joints", [joint.name for joint in joints]), ("links", links)):
+        for name, count in Counter(names).items():
+            if count > 1:
+                raise ValueError(f"{path}: {count} {kind} are named {_short(name)!r}: give each a name of its own")
     above: dict[str, str] = {}
     for joint in joints:
         if joint.child in above:
+            both = f"{above[joint.child]!r} and {joint.name!r}"
             raise ValueError(
-                f"{path}: link {joint.child!r} hangs on two joints, {above[joint.child]!r} and {joint.name!r}: "
-                "the links of a URDF are a tree"
+                f"{path}: link {joint.child!r} hangs on two joints, {both}: the links of a URDF are a tree"
             )
         above[joint.child] = joint.name
-
-
-def _require_links(path: Path, joints: tuple[TreeJoint, ...], links: set[str]) -> None:
-    """Joints name links that exist, unless the file has joints only."""
     for joint in joints if links else ():
         for link in (joint.parent, joint.child):
             if link not in links:
-                raise ValueError(
-                    f"{path}: joint {_short(joint.name)!r} names the link {_short(link)!r}, which is not there: "
-                    "name one that is, or add it"
-                )
+                where = f"joint {_short(joint.name)!r} names the link {_short(link)!r}, which is not there"
+                raise ValueError(f"{path}: {where}: name one that is, or add it")
 
 
 def _read_joint(path: Path, element: ElementTree.Element, faults: list[str]) -> TreeJoint:
     name, kind = element.get("name", "?"), element.get("type", "")
     where = f"joint {name!r}"
     for part in (element, *element):
-        _report_unknown(path, where, part, faults)
+        unknown = sorted(set(part.attrib) - ATTRIBUTES[part.tag]) if part.tag in ATTRIBUTES else ()
+        faults += [f"{path}: {where}: <{part.tag} {_short(one)}=…> is not understood, and left out" for one in unknown]
 
     def numbers(tag: str, attribute: str, default: str) -> Floats:
         return _numbers(path, where, element.find(tag), attribute, default)
@@ -263,30 +251,16 @@ def _read_joint(path: Path, element: ElementTree.Element, faults: list[str]) -> 
     axis = numbers("axis", "xyz", "1 0 0")
     if kind in TURNING + SLIDING and not np.linalg.norm(axis) >= MIN_AXIS_LENGTH:
         raise ValueError(f"{path}: {where}: its axis is zero")
-    endless, follows = kind == "continuous", element.find("mimic")
-    if (
-        kind == "revolute"
-        and MAX_PLAUSIBLE_LIMIT
-        < max(widest := [abs(numbers("limit", side, "0")[0]) for side in ("lower", "upper")])
-        < NO_LIMIT
-    ):
-        faults.append(f"{path}: {where}: a limit of {max(widest):g} rad: if these are degrees, write radians")
-    return TreeJoint(
-        name,
-        kind,
-        link("parent"),
-        link("child"),
-        _origin(path, where, element),
-        axis,
-        -np.pi if endless else numbers("limit", "lower", "0")[0],
-        np.pi if endless else numbers("limit", "upper", "0")[0],
-        element.find("limit") is not None,
-        None
-        if follows is None
-        else Mimic(
-            follows.get("joint", "?"), numbers("mimic", "multiplier", "1")[0], numbers("mimic", "offset", "0")[0]
-        ),
-    )
+    limits, mimic = (-np.pi, np.pi), None
+    if kind != "continuous":
+        limits = numbers("limit", "lower", "0")[0], numbers("limit", "upper", "0")[0]
+    if kind == "revolute" and MAX_PLAUSIBLE_LIMIT < (widest := max(map(abs, limits))) < NO_LIMIT:
+        faults.append(f"{path}: {where}: a limit of {widest:g} rad: if these are degrees, write radians")
+    if (follows := element.find("mimic")) is not None:
+        gain, offset = numbers("mimic", "multiplier", "1")[0], numbers("mimic", "offset", "0")[0]
+        mimic = Mimic(follows.get("joint", "?"), gain, offset)
+    ends, T_parent_joint = (link("parent"), link("child")), _origin(path, where, element)
+    return TreeJoint(name, kind, *ends, T_parent_joint, axis, *limits, element.find("limit") is not None, mimic)
 
 
 def _read_shapes(path: Path, link: ElementTree.Element, tag: str, faults: list[str]) -> Iterator[Shape]:
@@ -323,13 +297,6 @@ def _origin(path: Path, where: str, element: ElementTree.Element) -> Floats:
     axis, angle = quaternion[:3], 2 * np.arctan2(np.linalg.norm(quaternion[:3]), quaternion[3])
     turns = np.linalg.norm(axis) > MIN_QUATERNION * length
     return rigid_transform(rotation_about_axis(axis, angle) if turns else np.eye(3), xyz)
-
-
-def _report_unknown(path: Path, where: str, element: ElementTree.Element, faults: list[str]) -> None:
-    """Report attributes that are not read, and could change what the joint does."""
-    known = ATTRIBUTES.get(element.tag)
-    for name in sorted(set(element.attrib) - known) if known else ():
-        faults.append(f"{path}: {where}: <{element.tag} {_short(name)}=…> is not understood, and left out")
 
 
 def _numbers(path: Path, where: str, element: ElementTree.Element | None, attribute: str, default: str) -> Floats:

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from viewimit import Session, Settings
-from viewimit.estimation.views import permute
+from viewimit.estimation.views import FourViews, permute
 from viewimit.experiments.bench.demonstrators import OtherDemonstrator, StopsShort, stretched
 from viewimit.geometry.kinematics.adjustment import fit_kinematics
 from viewimit.geometry.kinematics.clusters import Observations
@@ -128,6 +128,34 @@ def test_another_body_is_imitated_in_each_posture():
         assert last.status == "converged" and last.misfit.kind is MisfitKind.ANOTHER_BODY
         assert abs(last.misfit.links[0].change + 0.04) < 4 * last.misfit.links[0].std
         assert np.abs(last.theta - last.theta_demo).max() < 3 * last.expected_error
+
+
+class OneAhead:
+    """A body with two joints, and a demonstrator, before two cameras of which the right one is ahead of the left."""
+
+    def __init__(self, aside_m, ahead_m, seed=0):
+        self.body, self.rng, self.noise_px = body_of(seed), np.random.default_rng(seed), NOISE_PX
+        self.theta = self.start = np.zeros(2)
+        self.lower, self.upper = np.full(2, -0.7), np.full(2, 0.7)
+        self.right = np.array([aside_m, 0, ahead_m])
+
+    def move(self, theta):
+        self.theta = np.asarray(theta)
+        return self.theta
+
+    def look(self):
+        own = self.body.places(self.theta)
+        demo = (self.body.places(TRUTH) - MIDDLE) @ Rotation.from_rotvec([0.1, 0.4, 0.05]).as_matrix().T + MIDDLE
+        views = [300 * p[:, :2] / p[:, 2:] + (320, 240) for p in (demo, demo - self.right, own, own - self.right)]
+        return FourViews.from_images(*(image + self.rng.normal(0, NOISE_PX, image.shape) for image in views))
+
+
+@pytest.mark.parametrize("aside_m, ahead_m, reason", [(0.25, 0.4, None), (0.02, 0.4, MisfitKind.EPIPOLE)])
+def test_with_one_camera_ahead_a_claim_is_honest_and_an_epipole_among_the_points_is_told(aside_m, ahead_m, reason):
+    robot = OneAhead(aside_m, ahead_m)
+    last = Session.of(robot, robot, frames=1).run(40).last
+    assert (last.misfit.kind if last.misfit else None) is reason and (last.status == "converged") is (reason is None)
+    assert reason or np.abs(last.theta - TRUTH).max() < 3 * last.expected_error < np.radians(1)
 
 
 def test_points_mixed_up_in_a_cycle_are_put_right_and_named():

@@ -22,6 +22,7 @@ from .fundamental import epipoles, fit_fundamental, fit_fundamental_with_prior, 
 from .robust_fit import MIN_F_RATIO, affine_distance, fundamental_distance
 
 MIN_DENOMINATOR = 0.1  # of a homography, which is 1 in the middle of the matches: no point is at infinity
+NEAR_EPIPOLE = 0.25  # of a homography's denominator, too
 MIN_RMS_PX = 1e-3  # of images of typical size: smaller rms distance from an affine geometry needs no rectification
 MIN_MATCHES = 16
 N_TRIMMINGS, TRIM_FACTOR = 4, 6.0  # rounds; times the median distance, beyond which a match is wrong
@@ -49,6 +50,11 @@ class Rectification:
         It differs from point to point where an epipole is near.
         """
         return np.stack([_enlarged(images[..., :2], self.left), _enlarged(images[..., 2:], self.right)], -1)
+
+    def meets_epipole(self, images: NDArray[np.float64]) -> bool:
+        """Whether an epipole is among or near image points, (..., 4) px, NaN if hidden: there is no depth there."""
+        depths = [images[..., k : k + 2] @ H[2, :2] + H[2, 2] for k, H in ((0, self.left), (2, self.right))]
+        return bool(np.nanmin(depths, initial=1.0) < NEAR_EPIPOLE)
 
     def in_units(self, unit_px: float) -> "Rectification":
         """Return the rectification of images in units of unit_px pixels; the same object for the same unit."""

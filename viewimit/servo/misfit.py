@@ -32,6 +32,8 @@ class MisfitKind(str, Enum):
     """The learner's own images fit no rigid links: an estimate may be wrong by more than noise explains."""
     NEARLY_FLAT = "nearly-flat"
     """All points move near one plane, as seen against the noise: no reason can be told from another one."""
+    EPIPOLE = "epipole"
+    """One camera is ahead of the other, so that an epipole lies among the points: no reason can be told either."""
     NONE = "none"
     """None of these explains the images."""
 
@@ -102,6 +104,7 @@ class Misfit:
             MisfitKind.ARM: _of_arm(self.amount),
             MisfitKind.NOT_RIGID: "the arm or its points do not move as rigid bodies",
             MisfitKind.NEARLY_FLAT: "the points lie too near a plane, for this noise, to compare the bodies by",
+            MisfitKind.EPIPOLE: "an epipole lies among the points: put the cameras side by side, none ahead",
             MisfitKind.NONE: "no pose of the learner's body explains the demonstrator's pictures, nor a known reason",
         }[self.kind]
 

@@ -74,23 +74,18 @@ def read_arrays(path: Path) -> Track:
 
 def _numbers_of_frames(found: dict[str, NDArray[Any]], T: int) -> tuple[str, NDArray[np.uint64]]:
     """The array that numbers the frames and what it says; without one, "" and 0 to T - 1."""
-    for name in (name for name in found if meaning_of(name) in (Meaning.FRAME, Meaning.PICTURE)):
-        if (frames := _frames(found[name], T)) is not None:
+    for name, values in found.items():
+        if meaning_of(name) not in (Meaning.FRAME, Meaning.PICTURE) or values.shape != (T,):
+            continue
+        labels = FrameLabels()
+        try:
+            at = [labels.add(str(value)) for value in values.tolist()]
+        except ValueError:
+            continue
+        frames = labels.numbers()[at]
+        if len(np.unique(frames)) == T:
             return name, frames
     return "", np.arange(T, dtype=np.uint64)
-
-
-def _frames(values: NDArray[Any], T: int) -> NDArray[np.uint64] | None:
-    """The numbers of T different frames, None if these are none."""
-    if values.shape != (T,):
-        return None
-    labels = FrameLabels()
-    try:
-        at = [labels.add(str(value)) for value in values.tolist()]
-    except ValueError:
-        return None
-    frames = labels.numbers()[at]
-    return frames if len(np.unique(frames)) == T else None
 
 
 def _load(path: Path) -> dict[str, NDArray[Any]]:

@@ -44,6 +44,7 @@ HYPOTHESES = {
     MisfitKind.MIRRORED: "a mirror image",
     MisfitKind.LENS: "a lens",
     MisfitKind.NEARLY_FLAT: "none, as the points lie too near a plane",
+    MisfitKind.EPIPOLE: "none, as an epipole lies among the points",
     MisfitKind.NONE: "none of the known ones",
 }
 

@@ -114,6 +114,14 @@ class Evidence:
         """Whether the own images spread in their third direction hardly more than noise: all points near a plane."""
         return bool(self.body.kinematics.frame.unit_px[2] < FLAT * self.noise_px)
 
+    @property
+    def unclear(self) -> MisfitKind | None:
+        """Why the images tell no reason from another one."""
+        by, images = self.body.kinematics.rectification, (self.body.seen.images, self.see.demonstrator[0][None])
+        if by is not None and by.meets_epipole(np.concatenate(images)):
+            return MisfitKind.EPIPOLE
+        return MisfitKind.NEARLY_FLAT if self.is_nearly_flat else None
+
     def adjustment(self, likely: Likely | None = None) -> CommonAdjustment | None:
         """The adjustment of both bodies; None if too few points are visible for any test."""
         body, (demo, demo_noise_px) = self.body, self.see.demonstrator
@@ -285,16 +293,16 @@ def find_pairs(evidence: Evidence) -> Pairs:
 def likeliest_other(same: Estimate, evidence: Evidence) -> Estimate:
     """The likeliest hypothesis but the same body, by Schwarz's criterion; `same` if too few points tell.
 
-    Where its angles are not worth imitating, the posture of least E is the place to be. Points near a plane tell no
-    hypothesis from another one.
+    Where its angles are not worth imitating, the posture of least E is the place to be. Points near a plane, or near an
+    epipole, tell no hypothesis from another one.
     """
     see, (demo, _) = evidence.see, evidence.see.demonstrator
     assert same.fit is not None and same.adjustment is not None
     if np.count_nonzero(same.adjustment.problem.visible_in_both[0]) < MIN_POINTS:
         return same
-    if evidence.is_nearly_flat:
-        flat = Explanation(Misfit(MisfitKind.NEARLY_FLAT), same.adjustment.estimate(same.fit), 0.0)
-        return replace(same, theta=least_E(same), explanation=flat)
+    if (unclear := evidence.unclear) is not None:
+        nothing = Explanation(Misfit(unclear), same.adjustment.estimate(same.fit), 0.0)
+        return replace(same, theta=least_E(same), explanation=nothing)
     see = replace(see, noise_px=evidence.noise_px, demo=demo)
     reasons = Reasons(same.adjustment, same.fit, evidence.body.seen, see, same.theta, see.seed)
     why, best = reasons.best()

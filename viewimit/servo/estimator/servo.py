@@ -197,7 +197,8 @@ class Estimator:
         most = options.growing if more_to_see or not len(idle) else 1
         if state.n_explored >= most * len(see.lower):
             if not len(idle) and see.noise_px > 0:
-                state = replace(state, misfit=Misfit(MisfitKind.NOT_RIGID))
+                meets = see.rectification is not None and see.rectification.meets_epipole(seen.images)
+                state = replace(state, misfit=Misfit(MisfitKind.EPIPOLE if meets else MisfitKind.NOT_RIGID))
             status = ServoStatus.UNOBSERVABLE if len(idle) else ServoStatus.NO_PROGRESS
             return self._at_least_seen_E(state, see, residuals, status)
         if len(idle) and counts[-1] > counts[0]:  # joints that moved no visible point, where more points are visible

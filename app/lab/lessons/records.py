@@ -220,9 +220,8 @@ def rectification_record(situation: Situation) -> dict[str, Any]:
 
 
 def sample_postures(situation: Situation, count: int, seed: int) -> list[Situation]:
-    """Sample `count` postures of both arms from which E can be brought below the situation's goal, if it has one, and
-    whose start is far from it. Raises ValueError if too few are found, as for a goal that hardly any start is far
-    from."""
+    """Sample postures of both arms from which E can be brought below the situation's goal, if it has one, and whose
+    start is far from it. Raises ValueError if too few are found."""
     found: list[Situation] = []
     rng = np.random.default_rng(seed)
     tried = 0

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from typing import Any
 
-import msgspec
 from viewimit.assets import ROOT
 
 from viewimit.loop.settings import Settings, convert_fields
@@ -25,24 +24,13 @@ class Preset:
     where: str = ""
 
 
-class _Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+def _preset(entry: dict[str, Any]) -> Preset:
     """A preset as the file has it."""
-
-    key: str
-    name: str
-    says: str
-    settings: dict[str, Any] = {}
-    best: bool = False
-    where: str = ""
-    speed: float = USUAL_SPEED
+    base, speed = Settings if entry.pop("best", False) else Settings.paper, entry.pop("speed", USUAL_SPEED)
+    settings = base(**convert_fields(entry.pop("settings", {})))
+    return Preset(settings=settings, motions_per_second=speed, **entry)
 
 
-def _preset(entry: _Entry) -> Preset:
-    base = Settings if entry.best else Settings.paper
-    settings = base(**convert_fields(entry.settings))
-    return Preset(entry.name, settings, entry.speed, entry.says, entry.key, entry.where)
-
-
-_ENTRIES = msgspec.convert(parse_toml(ROOT.joinpath("presets.toml").read_bytes())["preset"], list[_Entry])
-PRESETS = [_preset(entry) for entry in _ENTRIES if entry.where != "lab"]
-LAB_PRESETS = [_preset(entry) for entry in _ENTRIES if entry.where != "workbench"]
+_ALL = [_preset(entry) for entry in parse_toml(ROOT.joinpath("presets.toml").read_bytes())["preset"]]
+PRESETS = [preset for preset in _ALL if preset.where != "lab"]
+LAB_PRESETS = [preset for preset in _ALL if preset.where != "workbench"]

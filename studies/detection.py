@@ -8,9 +8,10 @@ import numpy as np
 from viewimit.estimation.views import VIEWS
 from viewimit.experiments.bench.intervals import rms
 from viewimit.simulation.eyes import require_eyes
-from viewimit.simulation.rendering import RenderedEyes
+from viewimit.simulation.rendering import SAMPLES, RenderedEyes
 from viewimit.simulation.scene import load_scene
 
+MAX_FACE_DEPTH = 1.2  # from a ball's centre to the nearest visible surface, in radii
 WRONG_DETECTION_PX = 3.0  # a marker's radius: a detection farther from its marker is of something else
 
 
@@ -45,7 +46,7 @@ def detect(scene: str, pairs: int, seed: int) -> Detection:
         eyes.look_at("lr")  # once more, because both arms have reached their postures only now
         eyes.look_at("LR")
         for view in VIEWS:
-            image, in_sight = eyes.truth(view)
+            image, in_sight = truth(eyes, view)
             offsets.append(eyes.detections[view].points - image)
             sights.append(in_sight)
             finds.append(eyes.detections[view].found)
@@ -70,6 +71,20 @@ def detect(scene: str, pairs: int, seed: int) -> Detection:
         detections=int(found.sum()),
         usable=(min(usable), float(np.median(usable))),
     )
+
+
+def truth(eyes: RenderedEyes, view: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return the true image of each ball, (N, 2) px, and whether the renderer shows the centre of its face, (N,)."""
+    pair = "lr" if view in "lr" else "LR"
+    base, camera = eyes.world.T_world_demo if pair == "lr" else eyes.world.T_world_own, eyes.cameras[view]
+    points = eyes.world.points_world(eyes.theta[pair], base)
+    image, inside = camera.project(points.T)
+    with np.errstate(divide="ignore"):
+        surface = 1 / eyes.studio.arms(camera, eyes.theta["lr"], eyes.theta["LR"]).inverse_depth.astype(float)
+    last = np.array(surface.shape) - 1
+    row, column = np.clip((SAMPLES * image[::-1]).astype(int), 0, last[:, None])
+    depth = (points - camera.T_world_camera[:3, 3]) @ camera.T_world_camera[:3, 2]
+    return image.T, inside & (np.abs(surface[row, column] - depth) < MAX_FACE_DEPTH * eyes.markers.radius)
 
 
 def table(found: Detection) -> str:

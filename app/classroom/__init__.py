@@ -1,3 +1,2 @@
-"""A class: its members, questions and answers, and the server that passes them between the browsers.
-
-The lessons run in the browsers themselves, in the lab."""
+"""A class: its members, questions and answers, and the server that passes them between the browsers. The lessons run in
+the browsers themselves, in the lab."""

@@ -1,7 +1,5 @@
 """Messages of a class as JSON text, each an object with a `kind`: what browsers send, and what the server tells them.
-
-Messages of browsers are untrusted. Their types, sizes and ranges are checked before anything acts on them.
-"""
+Messages of browsers are untrusted. Their types, sizes and ranges are checked before anything acts on them."""
 
 from __future__ import annotations
 
@@ -138,7 +136,7 @@ class Ask(Struct, tag="ask", **FIELDS):
 
 
 class Reveal(Struct, tag="reveal", **FIELDS):
-    """The truth and the answers, for everybody. truth, near: as `answers.is_right` takes them."""
+    """The truth and the answers, for everybody. truth, near: as `votes.is_right` takes them."""
 
     truth: Annotated[tuple[Path, ...], Meta(max_length=200)] = ()
     near: Real | None = None

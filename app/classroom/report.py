@@ -9,9 +9,9 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from .answers import QUESTIONS
 from .protocol import Given
 from .store import Row
+from .votes import QUESTIONS
 
 COLUMNS = ("person", "form", "item", "phase", "answer", "right", "sure", "seconds")
 UNLINKED = "unlinked"

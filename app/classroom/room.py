@@ -1,8 +1,6 @@
-"""A class: its persons, the lecturer's orders and the answers. It moves messages and computes nothing else.
-
-All methods run in the server's one thread. A `Browser` is one connection; messages to it wait in its outbox until
-the server's task for that connection takes it.
-"""
+"""A class: its persons, the lecturer's orders and the answers. It moves messages and computes nothing else. All methods
+run in the server's one thread. A `Browser` is one connection; messages to it wait in its outbox until the server's task
+for that connection takes it."""
 
 import asyncio
 import hashlib
@@ -20,10 +18,9 @@ import segno
 
 from ..server.limits import TokenBucket, network_of
 from . import protocol as p
-from .answers import QUESTIONS, Asks, fits, is_right
 from .report import as_csv, learned
 from .store import Row, Store, unlinked
-from .votes import Round, Vote, results
+from .votes import QUESTIONS, Asks, Round, Vote, fits, is_right, results
 
 MAX_WAITING = 500  # messages in an outbox, after which its connection is closed: the browser comes back
 MESSAGES_PER_S, MESSAGES_AT_ONCE = 25.0, 100  # of one browser, answers resent after a lost connection included
@@ -194,12 +191,11 @@ class Room:
 
     def _login(self, browser: Browser, code: str) -> None:
         if not self._may_try(browser):
-            browser.send(p.encode("wrong", why="Too many wrong codes. Wait a few seconds, then type it again."))
-            return
+            why = "Too many wrong codes. Wait a few seconds, then type it again."
+            return browser.send(p.encode("wrong", why=why))
         if not hmac.compare_digest(self._hash(code), self._code):
             log.warning("a wrong lecturer's code from %s", browser.address)
-            browser.send(p.encode("wrong", why="That is not the code of this class."))
-            return
+            return browser.send(p.encode("wrong", why="That is not the code of this class."))
         session = secrets.token_hex(16)
         self._leave_class(browser)
         self._become_lecturer(browser, self._hash(session))
@@ -209,11 +205,8 @@ class Room:
     def _may_try(self, browser: Browser) -> bool:
         """Whether a browser may type a code now: others at its address do not keep it from that."""
         assert browser.person is not None
-        allowed = browser.person.codes.take()
-        if not allowed or browser.person.key in self._stayed:
-            return allowed
         new = self._new_codes.setdefault(browser.place, TokenBucket(NEW_CODES_PER_S, NEW_CODES_AT_ONCE))
-        return new.take()
+        return browser.person.codes.take() and (browser.person.key in self._stayed or new.take())
 
     def _become_lecturer(self, browser: Browser, session: str) -> None:
         self._sessions.pop(session, None)
@@ -319,11 +312,10 @@ class Room:
 
     def _ask(self, ask: p.Ask) -> None:
         times = 1 + sum((r.lesson, r.step, r.phase) == (ask.lesson, ask.step, ask.phase) for r in self.rounds)
-        number = self._new_order()
-        asked = Round(number, ask.lesson, ask.step, ask.phase, times)
-        self.rounds.append(asked)
-        self.store.add_round(asked)
-        self._order(asked=p.Asked(number, ask.lesson, ask.step, ask.phase, times, seed=ask.seed), lead=False)
+        what = self._new_order(), ask.lesson, ask.step, ask.phase, times
+        self.rounds.append(Round(*what))
+        self.store.add_round(self.rounds[-1])
+        self._order(asked=p.Asked(*what, seed=ask.seed), lead=False)
         self._note_who_stays()
         self._counted = False
 
@@ -353,8 +345,7 @@ class Room:
     def _request(self, browser: Browser, place: int) -> None:
         person = next((one for one in self.persons.values() if one.place == place), None)
         if person is None:
-            browser.send(p.encode("done", what="This student is gone."))
-            return
+            return browser.send(p.encode("done", what="This student is gone."))
         self._requests += 1
         self._requested = self._requests, browser, person
         next(iter(person.tabs)).send(p.encode("request", number=self._requests))
@@ -376,14 +367,12 @@ class Room:
         ask = self.asks.get((answer.lesson, answer.step))
         is_own = answer.phase == "own"
         if ask is None or is_own == (answer.lesson == QUESTIONS) or not fits(ask, answer.answer):
-            self._refuse(browser, answer, "This class asks nothing like that.")
-            return
+            return self._refuse(browser, answer, "This class asks nothing like that.")
         phase, asked = str(answer.phase), None
         if answer.round:
             asked = self.asked
             if asked is None or asked.number != answer.round or (self.orders.asked and self.orders.asked.revealed):
-                self._refuse(browser, answer, "It came after the question was closed.")
-                return
+                return self._refuse(browser, answer, "It came after the question was closed.")
             if (asked.lesson, asked.step) != (answer.lesson, answer.step):
                 raise p.Rejected("an answer to another question")
             phase = asked.label
@@ -511,8 +500,7 @@ class Room:
 
     def _count_text(self) -> str:
         """The question that is asked, and its answers so far, for lecturers alone."""
-        asked = self.asked
-        found = None
+        asked, found = self.asked, None
         if asked is not None:
             left_out = self._left_out(asked)
             votes = {voter: vote for voter, vote in asked.votes.items() if voter not in left_out}

@@ -36,6 +36,10 @@ ENTRY = "lessons/class.js"
 STYLES = "class.css", "../challenge/challenge.css"
 WAYS = Ways(play="lab", learn="./")
 LIMITS = Limits()
+HEADERS = {
+    "Cache-Control": "no-cache", "Vary": "Accept-Encoding", "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer", "Connection": "close",
+}  # fmt: skip
 TICK_S = 0.25
 MAX_FRAME_BYTES = 4 * MAX_MESSAGE_BYTES  # longer messages are not even read
 MAX_OPEN_FILES = 16_384  # connections are open files; systems allow 1,024 or fewer unless asked
@@ -58,17 +62,8 @@ class Page:
 
     def answer(self, asked: Headers) -> Response:
         """Return the page, or that the browser has it."""
-        headers = Headers(
-            {
-                "Content-Security-Policy": content_policy(asked.get("Host", ""), self._scripts, ancestors=self._embed),
-                "Cache-Control": "no-cache",
-                "ETag": self._tag,
-                "Vary": "Accept-Encoding",
-                "X-Content-Type-Options": "nosniff",
-                "Referrer-Policy": "no-referrer",
-                "Connection": "close",
-            }
-        )
+        policy = content_policy(asked.get("Host", ""), self._scripts, ancestors=self._embed)
+        headers = Headers({**HEADERS, "Content-Security-Policy": policy, "ETag": self._tag})
         if asked.get("If-None-Match") == self._tag:
             return Response(304, "Not Modified", headers)
         body = self._plain
@@ -82,10 +77,8 @@ def class_pages(lessons: Mapping[str, Lesson], embed: Sequence[str]) -> dict[str
     """Return the pages by path: lessons in one page, with what a lecturer and students need, and the lab. A lecturer's
     own lessons take seconds, as they are computed."""
     styles = "\n".join((HERE / name).read_text("utf-8") for name in STYLES)
-    return {
-        "/": Page(lesson_page(lessons, ENTRY, styles, ways=WAYS), embed),
-        "/lab": Page(lab_page(ways=WAYS), embed),
-    }
+    texts = {"/": lesson_page(lessons, ENTRY, styles, ways=WAYS), "/lab": lab_page(ways=WAYS)}
+    return {path: Page(text, embed) for path, text in texts.items()}
 
 
 class ClassServer:
@@ -139,11 +132,8 @@ class ClassServer:
 
     def _address_of(self, connection: ServerConnection) -> str:
         """Where a browser is: of proxies that are trusted, what they say of it."""
-        peer, request, proxies = (
-            connection.remote_address,
-            connection.request,
-            self._trusted.replace(" ", "").split(","),
-        )
+        peer, request = connection.remote_address, connection.request
+        proxies = self._trusted.replace(" ", "").split(",")
         forwarded = "" if request is None else ",".join(request.headers.get_all("X-Forwarded-For"))
         chain = [*filter(None, forwarded.replace(" ", "").split(",")), peer[0] if peer else ""]
         while len(chain) > 1 and ("*" in proxies or _is_in(chain[-1], proxies)):
@@ -157,7 +147,13 @@ class ClassServer:
         browser = Browser(address, something.set)
         sending = asyncio.create_task(_send_all(connection, browser, something))
         try:
-            await self._receive_all(connection, browser)
+            try:
+                message = await asyncio.wait_for(connection.recv(), LIMITS.head_within)
+            except asyncio.TimeoutError:
+                raise Rejected("a websocket that says nothing") from None
+            while True:
+                await self._room.receive(browser, decode(message))
+                message = await connection.recv()
         except Rejected as error:
             log.warning("rejected from %s: %s", address, str(error).encode("unicode_escape").decode())
             await connection.close(CloseCode.POLICY_VIOLATION, str(error)[:100])
@@ -167,15 +163,6 @@ class ClassServer:
         finally:
             self._room.leave(browser)
             sending.cancel()
-
-    async def _receive_all(self, connection: ServerConnection, browser: Browser) -> None:
-        try:
-            message = await asyncio.wait_for(connection.recv(), LIMITS.head_within)
-        except asyncio.TimeoutError:
-            raise Rejected("a websocket that says nothing") from None
-        while True:
-            await self._room.receive(browser, decode(message))
-            message = await connection.recv()
 
 
 async def _send_all(connection: ServerConnection, browser: Browser, something: asyncio.Event) -> None:
@@ -209,7 +196,6 @@ def allow_many_connections() -> int:
 
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     limit = MAX_OPEN_FILES if hard == resource.RLIM_INFINITY else min(hard, MAX_OPEN_FILES)
-    if soft < limit:
-        with contextlib.suppress(ValueError, OSError):
-            resource.setrlimit(resource.RLIMIT_NOFILE, (limit, hard))
+    with contextlib.suppress(ValueError, OSError):
+        resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, limit), hard))
     return resource.getrlimit(resource.RLIMIT_NOFILE)[0]

@@ -1,8 +1,5 @@
-"""The file of a class: what must survive a restart of the server. SQLite.
-
-It holds answers, rounds, persons (a hash of their browser's token and a random number) and the lecturer's settings.
-Names of persons are not written.
-"""
+"""The file of a class: what must survive a restart of the server. SQLite. It holds answers, rounds, persons (a hash of
+their browser's token and a random number) and the lecturer's settings. Names of persons are not written."""
 
 import asyncio
 import contextlib

@@ -43,14 +43,16 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from ..classroom.answers import asks_of
     from ..classroom.room import Room
     from ..classroom.server import ClassServer, class_pages
     from ..classroom.store import Store
+    from ..classroom.votes import asks_of
     from ..lab.lessons.source import find, shipped
     from ..server.address import listen, require_free, require_origin
 
-    origins = () if args.address is None else (_origin(args.address),)
+    with naming("--address"):
+        typed = urlsplit(args.address or "")
+    origins = () if args.address is None else (f"{typed.scheme}://{typed.netloc}".lower(),)
     for option, given in (("--embed", args.embed), ("--address", origins)):
         with naming(option):
             for origin in given:
@@ -83,12 +85,6 @@ def run(args: argparse.Namespace) -> int:
         pages = class_pages(lessons, args.embed)  # which takes a second; who comes meanwhile waits
     asyncio.run(ClassServer(room, pages, origins, args.trust_proxy).run(listeners))
     return DONE
-
-
-def _origin(address: str) -> str:
-    """The origin of an address that students type."""
-    found = urlsplit(address)
-    return f"{found.scheme}://{found.netloc}".lower()
 
 
 def _usual_file(port: int) -> Path:

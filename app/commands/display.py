@@ -4,7 +4,7 @@ from typing import Annotated
 
 from ..model.choices import FLAGS, LARGE, NO_POINT, SWITCHED
 from ..model.page_model import PageModel
-from ..model.queue import add, command, number, one_of
+from ..model.queue import add, command, number, one_of, switch, whole
 
 CLIENT_REPORTED = {"dark": "prefers_dark", "truth": "truth", "flat": "flat"}  # fields of View, by link
 ENLARGED = one_of({str(k): what for k, what in enumerate(LARGE)}, "there is no panel or picture {value}")
@@ -22,10 +22,10 @@ def choose_point(
     model.show(chosen=point)
 
 
-@command("point", order_independent=True, link=True)
-def toggle_point(model: PageModel, point: int) -> None:
-    """Choose a point; the chosen one again: none."""
-    choose_point(model, None if point == model.view.chosen else point)
+add(
+    "point", lambda model, point: choose_point(model, None if point == model.view.chosen else point), whole,
+    order_independent=True, link=True,
+)  # fmt: skip
 
 
 @command("next_point", order_independent=True)
@@ -34,10 +34,8 @@ def next_point(model: PageModel) -> None:
     model.show(chosen=0 if chosen is None else (chosen + 1) % count)
 
 
-@command("switch", latest=True, order_independent=True)
-def switch(model: PageModel, name: Annotated[str, one_of(SWITCHED, "there is no switch {value}")], on: bool) -> None:
-    """Set one of the switches of `View`."""
-    model.show(**{name: on})
+KNOWN = one_of(SWITCHED, "there is no switch {value}")
+add("switch", lambda model, name, on: model.show(**{name: on}), KNOWN, switch, latest=True, order_independent=True)
 
 
 def _report(link: str, field: str) -> None:
@@ -76,12 +74,12 @@ add("fit_view", lambda model: model.show(fits=model.view.fits + 1), order_indepe
 @command("construction", order_independent=True, link=True)
 def build_up(model: PageModel, *, now: float) -> None:
     """Show step by step how the chosen point is recovered; once more: all at once."""
-    if model.display.construction.goes_on:
-        model.display.construction.end()
+    if model.display.construction_began is not None:
+        model.display.construction_began = None
         return
     if model.view.chosen is None:
         next_point(model)
-    model.display.construction.begin(now)
+    model.display.construction_began = now
 
 
 @command("large", order_independent=True, link=True)
@@ -90,11 +88,8 @@ def enlarge(model: PageModel, what: Annotated[str, ENLARGED]) -> None:
     model.show(large=None if model.view.large == what else what)
 
 
-@command("next_larger", order_independent=True)
-def next_larger(model: PageModel) -> None:
-    """Enlarge the images, then the figures, then show all as before."""
-    after = {None: "images", "images": "figures"}
-    model.show(large=after.get(model.view.large))
+NEXT_LARGER = {None: "images", "images": "figures"}  # else all as before
+add("next_larger", lambda model: model.show(large=NEXT_LARGER.get(model.view.large)), order_independent=True)
 
 
 @command("dismiss", order_independent=True, link=True)

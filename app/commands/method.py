@@ -8,12 +8,9 @@ from viewimit.servo import SERVOS
 
 from ..model.choices import AMOUNTS, joint_choices, layout_choices
 from ..model.page_model import PageModel
-from ..model.queue import add, command, number, one_of, switch, whole
+from ..model.queue import add, command, number, one_of, switch, titled, whole
 
-TRANSFER, SERVO = (
-    one_of({entry.title: name for name, entry in entries.items()}, f"there is no {what} {{value}}")
-    for what, entries in (("transfer", TRANSFERS), ("servo", SERVOS))
-)
+TRANSFER, SERVO = titled(TRANSFERS, "transfer"), titled(SERVOS, "servo")
 DISTURBANCE = one_of(AMOUNTS.keys(), "there is no disturbance {value}")
 
 

@@ -18,7 +18,7 @@ from ..model.choices import SPEEDS, Preset, modified, usual
 from ..model.editing import Rehearsal
 from ..model.link import Played, read_link
 from ..model.page_model import PageModel
-from ..model.queue import command, number, one_of
+from ..model.queue import add, command, number, one_of
 
 MESSAGE_S, WARNING_S = 6.0, 30.0  # s that a message stays
 FROM_LINK = "From a link"
@@ -48,7 +48,7 @@ def step(model: PageModel, *, now: float) -> None:
 
 def _undo_needs_camera(model: PageModel) -> bool:
     left = model.past.here
-    return left is not None and left.sensor == "rendered" != model.session.settings.sensor
+    return left is not None and left.shown.settings.sensor == "rendered" != model.session.settings.sensor
 
 
 @command("undo", moves=True, cancels=True, camera=_undo_needs_camera)
@@ -60,10 +60,10 @@ def undo(model: PageModel, *, now: float) -> None:
     model.player.pause()
     left = model.past.here
     if left is None:
-        model.player.undo(now)
+        model.player.scrub(model.player.cursor - 1, now)
     else:
         model.undoable.bring_back(left)
-        parts = [left.preset.name, count_motions(left.motions)]
+        parts = [left.preset.name, count_motions(left.runs[0][0][-1].motion)]
         if model.points.on:
             parts.append(count_points(len(model.session.world.body)))
         model.say(f"Back is what was here before: {', '.join(parts)}.", now + MESSAGE_S)
@@ -79,10 +79,7 @@ def reset(model: PageModel) -> None:
 @command("rehearsal", moves=True)
 def toggle_rehearsal(model: PageModel) -> None:
     """Let the learner watch itself first, or forget what it has seen of itself."""
-    if Rehearsal(model.session).held:
-        model.undoable.forget_rehearsal()
-    else:
-        model.undoable.rehearse()
+    (model.undoable.forget_rehearsal if Rehearsal(model.session).held else model.undoable.rehearse)()
 
 
 @command("moment", latest=True, moves=True, link=True)
@@ -92,12 +89,8 @@ def scrub(model: PageModel, motion: int) -> None:
     model.player.scrub(motion)
 
 
-@command("speed", latest=True)
-def choose_speed(
-    model: PageModel, motions_per_second: Annotated[float, one_of(SPEEDS, "there is no speed {value}")]
-) -> None:
-    """Choose the speed by its name; 0 is as fast as it computes."""
-    model.player.speed = motions_per_second
+SPEED = one_of(SPEEDS, "there is no speed {value}")
+add("speed", lambda model, motions_per_second: setattr(model.player, "speed", motions_per_second), SPEED, latest=True)
 
 
 @command("preset", latest=True, moves=True, camera=lambda model, name: name in model.presets.pictured)
@@ -163,9 +156,6 @@ def show_word(model: PageModel, key: Word) -> None:
         play(model)
 
 
-# Commands that make a page what a link holds, or what its own tab has kept.
-
-
 @command("link", latest=True, moves=True, link=True)
 def follow_link(model: PageModel, address: str) -> None:
     """Become what a link holds. Its motions are computed beside the page, as that may take seconds."""
@@ -187,12 +177,10 @@ def restore_session(model: PageModel, kept: str) -> None:
         model.following.begin(page, partial(become, model), is_own=True)
 
 
-@command("unsaved", latest=True, link=True)
-def tell_unsaved(
-    model: PageModel, unsaved: Annotated[bool, one_of({"": False, "storage": True}, "there is no problem {value}")]
-) -> None:
-    """Take whether the browser's storage cannot keep the session, as it is full or forbidden."""
-    model.unsaved = unsaved
+UNSAVED = one_of(
+    {"": False, "storage": True}, "there is no problem {value}"
+)  # whether the storage is full or forbidden
+add("unsaved", lambda model, unsaved: setattr(model, "unsaved", unsaved), UNSAVED, latest=True, link=True)
 
 
 def become(model: PageModel, played: Played, now: float) -> None:

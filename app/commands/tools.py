@@ -7,10 +7,10 @@ from viewimit.experiments import EXPERIMENTS
 from ..model.motions import MOST_BYTES, NAMES
 from ..model.page_model import PageModel
 from ..model.pictures import FORMATS, PICTURES, save_picture, save_replay
-from ..model.queue import add, command, number, one_of
+from ..model.queue import add, command, number, one_of, titled
 from .session import MESSAGE_S
 
-EXPERIMENT = one_of({one.title: name for name, one in EXPERIMENTS.items()}, "there is no experiment {value}")
+EXPERIMENT = titled(EXPERIMENTS, "experiment")
 MOTION = one_of({title: name for name, title in NAMES.items()}, "there is no motion {value}")
 
 add("experiment", lambda model, name: setattr(model.experiments, "chosen", name), EXPERIMENT, latest=True)

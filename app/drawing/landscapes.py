@@ -38,10 +38,8 @@ def draw_costs(joints: Sequence[int], transfer: str, spread: NDArray[np.float64]
 
 def draw_together(drawn: Sequence[str]) -> str:
     """Arrange the transfers' drawings in two columns, as HTML."""
-    parts = []
-    for k, one in enumerate(drawn):
-        parts.append(f'<g transform="translate({(SMALL_WIDTH + GAP) * (k % 2)} {ROW * (k // 2)})">{one}</g>')
-    return _wrap("".join(parts), len(drawn))
+    move = lambda k: f"translate({(SMALL_WIDTH + GAP) * (k % 2)} {ROW * (k // 2)})"
+    return _wrap("".join(f'<g transform="{move(k)}">{one}</g>' for k, one in enumerate(drawn)), len(drawn))
 
 
 def _placed(transfer: str, drawing: str, words: str, box: tuple[float, float, float, float]) -> str:
@@ -52,20 +50,15 @@ def _placed(transfer: str, drawing: str, words: str, box: tuple[float, float, fl
     )
 
 
-def _height(count: int) -> int:
-    """Return the height of this number of transfers, px."""
-    return ROW * -(-count // 2)
-
-
 def _wrap(inside: str, count: int) -> str:
-    box = f"0 0 {TOTAL} {_height(count)}"
+    box = f"0 0 {TOTAL} {ROW * -(-count // 2)}"
     return f'<div class="vi-panel"><svg class="vi vi-transfers" viewBox="{box}">{inside}</svg></div>'
 
 
 def waiting(words: str) -> str:
     """Draw a sentence instead of the landscapes."""
     count = len(TRANSFERS)
-    return _wrap(svg.text(TOTAL / 2, _height(count) / 2, words, "vi-2nd vi-mid"), count)
+    return _wrap(svg.text(TOTAL / 2, ROW * -(-count // 2) / 2, words, "vi-2nd vi-mid"), count)
 
 
 def describe_landscape(studied: TransferStudy) -> str:
@@ -82,14 +75,13 @@ def draw_basin(scene: Scene, found: Basin) -> str:
     plane = PosturePlane(scene)
     places = plane.place(np.degrees(found.starts))
     waiting = places[len(found.endings) :]
-    parts = [f'<path class="vi-basin-waiting" d="{svg.dots(waiting)}"/>'] if len(waiting) else []
+    parts, marks = [f'<path class="vi-basin-waiting" d="{svg.dots(waiting)}"/>'] if len(waiting) else [], []
     for place, ending in zip(places, found.endings):
         if ending.place == "elsewhere":
             end = plane.place(np.degrees(ending.end))
             parts.append(f'<path class="vi-basin-way" d="{svg.segments(place[None], end[None])}"/>')
-    for place, ending in zip(places, found.endings):
-        hollow = "" if ending.claimed else " vi-basin-hollow"
-        parts.append(_mark(ending.place, place, hollow))
+        marks.append(_mark(ending.place, place, "" if ending.claimed else " vi-basin-hollow"))
+    parts += marks
     return plane.wrap("".join(parts), "vi-over") + f'<div class="vi-basin">{describe_basin(found)}</div>'
 
 

@@ -53,9 +53,6 @@ CURVES_WIDTH = 424  # px
 AIM, ARM = 8, 13  # px, cross hair: radius of its ring, length of its lines
 
 
-# Links on the points of the four images
-
-
 def point_links(count: int, whole: bool) -> str:
     """Build links over the four images, whole or not. Tab stops at the points of L, as the other images repeat them.
     Each point has two links: a circle of radius HIT, and above all of these the part where it is the nearest point."""
@@ -286,9 +283,8 @@ def draw_learner(
         band[assessment.unobservable] = np.maximum(assessment.std_per_px[assessment.unobservable], MAX_STD_PER_PX)
     width = NARROW if columns else WIDTH
     limits = zip(scene.lower.tolist(), scene.upper.tolist())
-    for k, (joint, own, demo, (low, high)) in enumerate(
-        zip(scene.moving_joints, theta.tolist(), theta_demo.tolist(), limits)
-    ):
+    each = zip(scene.moving_joints, theta.tolist(), theta_demo.tolist(), limits)
+    for k, (joint, own, demo, (low, high)) in enumerate(each):
         place = lambda angle, low=low, high=high: INSET + (width - 2 * INSET) * (angle - low) / (high - low)
         x, mark, y = place(own), place(demo), HEIGHT / 2
         name = svg.joint_symbol(joint) if columns else joint_name(scene, joint)
@@ -319,11 +315,8 @@ def draw_body_points(
     lines = [f"<b>{_count(information)}</b>{_flatness(information)}"]
     spread = information.std_per_px
     if spread is not None:
-        height = ROW * len(joints)
-        bars = draw_bars(joints, spread, POINTS_WIDTH, ROW)
-        lines.append(
-            f'Joint error per pixel of noise<svg class="vi" viewBox="0 0 {POINTS_WIDTH} {height}">{bars}</svg>'
-        )
+        box, bars = f"0 0 {POINTS_WIDTH} {ROW * len(joints)}", draw_bars(joints, spread, POINTS_WIDTH, ROW)
+        lines.append(f'Joint error per pixel of noise<svg class="vi" viewBox="{box}">{bars}</svg>')
     words = _next_point(joints, proposal, searching)
     return "".join(f"<div>{line}</div>" for line in (*lines, svg.escape(words)) if line)
 
@@ -332,10 +325,8 @@ def describe_body_points(
     joints: Sequence[int], information: PointInformation, proposal: Proposal | None, searching: bool
 ) -> str:
     """Say the same in a sentence or two; parameters as for `draw_body_points`."""
-    if information.std_per_px is None:
-        costs = f"a transfer needs {MIN_POINTS}"
-    else:
-        costs = _worst_costs(joints, information.std_per_px)
+    spread = information.std_per_px
+    costs = f"a transfer needs {MIN_POINTS}" if spread is None else _worst_costs(joints, spread)
     words = "; ".join(filter(None, (_count(information), costs, _flatness(information))))
     return sentences(words, _next_point(joints, proposal, searching) or "Click an arm to place one.")
 
@@ -357,9 +348,7 @@ def _next_point(joints: Sequence[int], proposal: Proposal | None, searching: boo
     if proposal is None:
         return ""
     after = proposal.after.std_per_px
-    if after is None:
-        return "The hollow point would help most."
-    return f"The hollow point would help most: {_worst_costs(joints, after)}."
+    return f"The hollow point would help most{'' if after is None else f': {_worst_costs(joints, after)}'}."
 
 
 def _worst_costs(joints: Sequence[int], spread: NDArray[np.float64]) -> str:

@@ -1,12 +1,11 @@
-"""Camera images are rendered beside the server: one process for all sessions that look with pictures.
-
-It begins with the first look, answers one after the other, and ends when nobody has looked for a while. A look says
-all that its pictures depend on, so that a process that is lost is replaced by another.
-"""
+"""Camera images are rendered beside the server: one process for all sessions that look with pictures. It begins with
+the first look, answers one after the other, and ends when nobody has looked for a while. A look says all that its
+pictures depend on, so that a process that is lost is replaced by another."""
 
 import threading
 from collections import OrderedDict
 from collections.abc import Callable
+from functools import partial
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from typing import Any
@@ -97,10 +96,8 @@ MOST_LOOKS = 60  # whose pictures are kept, of a session: 1 MB
 
 
 class RemoteEyes(SimulatedEyes):
-    """Eyes in another process. Each look blocks until its pictures are there, which are kept for a while.
-
-    look: as `CameraProcess.look`.
-    """
+    """Eyes in another process. Each look blocks until its pictures are there, which are kept for a while. look: as
+    `CameraProcess.look`."""
 
     def __init__(self, look: Callable[..., tuple], scene: Scene):
         from viewimit.simulation.rendering import NOISE_PX
@@ -109,14 +106,9 @@ class RemoteEyes(SimulatedEyes):
         self.world = World(scene, body=load_markers(scene.robot).body)
         rest = np.radians(scene.posture_deg)[scene.moving]
         self._theta = {"lr": rest, "LR": rest}  # where each arm was seen last
+        self.demo_images, self.own_images = partial(self._look, "lr"), partial(self._look, "LR")
         self._looks: OrderedDict[tuple, dict[str, bytes]] = OrderedDict()
         self._lock = threading.Lock()  # of the looks: one thread looks, another draws
-
-    def demo_images(self, theta) -> tuple[NDArray, NDArray]:
-        return self._look("lr", theta)
-
-    def own_images(self, theta) -> tuple[NDArray, NDArray]:
-        return self._look("LR", theta)
 
     def pictures(self, moment: Snapshot) -> dict[str, bytes]:
         """JPEGs by view, of those that are still kept."""

@@ -1,8 +1,6 @@
 """What runs in processes beside the server: camera images, an experiment, a basin of attraction, a PNG. Nothing of
-viser is loaded.
-
-One of the second or the third carries out one request (name, settings, options), and sends changes of its `Run`.
-"""
+viser is loaded. One of the second or the third carries out one request (name, settings, options), and sends changes of
+its `Run`."""
 
 import io
 import subprocess

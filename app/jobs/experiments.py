@@ -1,7 +1,5 @@
-"""Work in processes beside the server: one at a time, in the order asked, each in a process of its own.
-
-A process that is killed leaves nothing behind: cancelling, a closed tab and the server's end all do just that.
-"""
+"""Work in processes beside the server: one at a time, in the order asked, each in a process of its own. A process that
+is killed leaves nothing behind: cancelling, a closed tab and the server's end all do just that."""
 
 import multiprocessing
 import tempfile

@@ -12,6 +12,7 @@ from viewimit.simulation.world import World
 from ..presets import LAB_PRESETS, Preset
 from ..ways import Ways, about, header
 from .engine_scene import can_compute, describe_hulls, engine_scene
+from .recording import described
 from .replay import lab_html
 from .space import Shapes, describe_robot, describe_stage
 
@@ -33,7 +34,9 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED, ways: Ways = NO_WA
         key = "given" if used is given else preset.key
         if key not in scenes:
             page = {"scene": name if used is given else preset.settings.scene, "layouts": list(used.points)}
-            scenes[key] = {**engine_scene(with_few_points(used)), "stage": _stage(used, shapes), "page": page}
+            postures = [np.radians(used.start_deg), np.radians(used.posture_deg)[used.moving]]
+            stage = describe_stage(World(used, min(map(int, used.points))), shapes, postures)
+            scenes[key] = {**engine_scene(with_few_points(used)), "stage": stage, "page": page}
         chosen.append(_described(preset, key, list(scenes[key]["layouts"])))
     if scene is not None:
         chosen[0] |= {"title": given.title, "says": "Press Play, and the learner copies the pose of the demonstrator."}
@@ -57,11 +60,7 @@ def _described(preset: Preset, scene: str, layouts: list[str]) -> dict[str, Any]
         "name": preset.key,
         "title": preset.name,
         "says": preset.says,
-        "transfer": settings.transfer,
-        "servo": settings.servo,
-        "noisePx": settings.noise_px,
-        "missing": settings.missing,
-        "seed": settings.seed,
+        **described(settings),
         "scene": scene,
         **({} if settings.start_deg is None else {"start": np.radians(settings.start_deg).tolist()}),
         "points": min(map(int, layouts), key=lambda count: abs(count - settings.points)),
@@ -72,12 +71,6 @@ def with_few_points(scene: Scene) -> Scene:
     """Return the scene with a layout of four points as well, the first ones of the smallest it has."""
     smallest = scene.points[min(scene.points, key=int)]
     return msgspec.structs.replace(scene, points={"4": smallest[:4], **scene.points})
-
-
-def _stage(scene: Scene, shapes: Shapes) -> dict[str, Any]:
-    world = World(scene, min(map(int, scene.points)))
-    demo = np.radians(scene.posture_deg)[scene.moving]
-    return describe_stage(world, shapes, [np.radians(scene.start_deg), demo])
 
 
 def _served(name: str, robot: str | None) -> Scene | None:

@@ -1,8 +1,6 @@
-"""A session's snapshots as numbers, which the modules of the lab draw in a replay.
-
-Pixels are whole hundredths and angles whole microradians, null where something is not known: small as compressed JSON.
-app/lab/view/recorded.js reads what is written here.
-"""
+"""A session's snapshots as numbers, which the modules of the lab draw in a replay. Pixels are whole hundredths and
+angles whole microradians, null where something is not known: small as compressed JSON. app/lab/view/recorded.js reads
+what is written here."""
 
 from collections.abc import Sequence
 from functools import cache, lru_cache
@@ -62,33 +60,40 @@ def record(session: Session, motions: Sequence[int], chosen: int | None) -> dict
     snapshots = [session.history[k] for k in motions]
     count, points = len(session.world.body), range(len(session.world.body))
     constructed = points if count * len(motions) <= MAX_CONSTRUCTIONS else [] if chosen is None else [chosen]
-    demonstrators, methods, maps = _Table(), _Table(), _Maps(session, snapshots)
+    demonstrators, methods, maps = list[Any](), list[Any](), _Maps(session, snapshots)
     silhouettes = Silhouettes({}, session.world)
     recorded = []
     for moment in snapshots:
         views, recovered = moment.views, silhouettes.bodies(moment.theta_demo, moment.theta, moment.transfer).recovered
-        seen, own_seen = (_flags(pair) for pair in np.split(views.visible, 2, 1))
+        flags = lambda pair: "" if pair.all() else "".join(map(str, pair.astype(int).ravel()))
+        seen, own_seen = map(flags, np.split(views.visible, 2, 1))
         demo = {"theta": _angles(moment.theta_demo), "images": _pixels(views.demo), "seen": seen}
         recorded.append(
             {
                 "motion": moment.motion,
                 "theta": _angles(moment.theta),
-                "demo": demonstrators.add(demo),
+                "demo": _index(demonstrators, demo),
                 "own": _pixels(views.own),
                 "seen": own_seen,
                 "recovered": _pixels(moment.recovered),
                 "bones": None if recovered is None else _pixels(recovered),
                 "E": None if np.isnan(moment.E) else float(f"{moment.E:.6g}"),
                 "probe": moment.probe,
-                "method": methods.add(describe_method(moment)),
+                "method": _index(methods, describe_method(moment)),
                 "map": maps.index(moment),
                 "condition": _condition(moment),
                 "constructed": {str(point): _construction(moment, point) for point in constructed},
                 **_said(session, moment),
             }
         )
-    tables = {"demonstrators": demonstrators.entries, "methods": methods.entries, "maps": maps.entries}
+    tables = {"demonstrators": demonstrators, "methods": methods, "maps": maps.entries}
     return {"chosen": chosen, "snapshots": recorded, **tables}
+
+
+def described(settings: Settings) -> dict[str, Any]:
+    """Return the settings that the lab has, as its modules name them."""
+    same = ("transfer", "servo", "missing", "seed", "points")
+    return {**{name: getattr(settings, name) for name in same}, "noisePx": settings.noise_px}
 
 
 def describe_method(moment: Snapshot) -> dict[str, Any]:
@@ -103,11 +108,10 @@ def describe_method(moment: Snapshot) -> dict[str, Any]:
         "crosses": moment.method.crosses_lines,
         "rectified": moment.rectification is not None,
         "lab": {
+            **described(settings),
             "transfer": transfer,
             "servo": servo,
             "noisePx": round(settings.noise_px / settings.frames**0.5, 4),
-            "missing": settings.missing,
-            "seed": settings.seed,
             "points": len(moment.views.demo),
         },
         "lacks": lacks(settings, moment.method.title, moment.servo.title, moment.rectification is not None),
@@ -166,17 +170,11 @@ def _construction(moment: Snapshot, point: int) -> dict[str, Any] | None:
     return found
 
 
-class _Table:
-    """Different entries, each once."""
-
-    def __init__(self) -> None:
-        self.entries: list[Any] = []
-
-    def add(self, entry: Any) -> int:
-        """Return the entry's index."""
-        if entry not in self.entries:
-            self.entries.append(entry)
-        return self.entries.index(entry)
+def _index(entries: list[Any], entry: Any) -> int:
+    """The entry's index, after adding it to different ones if it is new."""
+    if entry not in entries:
+        entries.append(entry)
+    return entries.index(entry)
 
 
 class _Maps:
@@ -239,7 +237,3 @@ def _pixels(values: NDArray[np.float64]) -> list[int | None]:
 
 def _angles(theta: NDArray[np.float64]) -> list[int]:
     return (np.nan_to_num(np.asarray(theta, float)) * RAD).round().astype(int).tolist()
-
-
-def _flags(seen: NDArray[np.bool_]) -> str:
-    return "" if seen.all() else "".join(map(str, seen.astype(int).ravel()))

@@ -1,8 +1,6 @@
-"""A session as one HTML file that needs no server, also for a notebook's cell.
-
-It is the lab with a recorded run: the same page and modules show the run's snapshots, and take over where the lab can
-compute the run's scene. The browser's modules become one script that needs no loader.
-"""
+"""A session as one HTML file that needs no server, also for a notebook's cell. It is the lab with a recorded run: the
+same page and modules show the run's snapshots, and take over where the lab can compute the run's scene. The browser's
+modules become one script that needs no loader."""
 
 import base64
 import hashlib
@@ -211,11 +209,10 @@ def styles(*names: str) -> str:
 
 def _repeated(citation: Citation) -> str:
     """Build the texts that repeat the session, each with a button that copies it."""
-    parts = []
-    for name, text in (("As a command", citation.command), ("In Python", citation.python)):
-        if text is not None:
-            copy = f'<button type="button" class="copy" aria-label="Copy: {name}">Copy</button>'
-            parts.append(f'<h2>{name}</h2>{copy}<pre tabindex="0">{escape(text)}</pre>')
+    said = {"As a command": citation.command, "In Python": citation.python}
+    button = '<button type="button" class="copy" aria-label="Copy: {0}">Copy</button>'
+    part = f'<h2>{{0}}</h2>{button}<pre tabindex="0">{{1}}</pre>'
+    parts = (part.format(name, escape(text)) for name, text in said.items() if text is not None)
     return "".join(parts) or "<p>It goes on from what cannot be said in a few words.</p>"
 
 

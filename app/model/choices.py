@@ -27,9 +27,6 @@ def modified(preset: str) -> str:
     return f"(modified) {preset}"
 
 
-# The sliders of the folder Disturbances: what each stands for in the settings, in the units of the page.
-
-
 @dataclass(frozen=True)
 class Amount:
     """name: in `Settings`; label, low, high, step, hint: of its slider; per: units on the page for one there;
@@ -76,9 +73,7 @@ AMOUNTS = {amount.name: amount for amount in (*OF_IMAGES, *OF_ARMS)}
 # Which joints imitate: those of the scene, as the paper's two, or all of the robot's.
 
 MANY_POINTS = 16  # that more joints than the scene's need at least
-WORDS = (
-    "none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine",
-)  # fmt: skip
+WORDS = "none one two three four five six seven eight nine".split()
 
 
 def joint_choices(settings: Settings) -> dict[str, tuple[int, ...] | None]:
@@ -134,9 +129,6 @@ def _name(joints: tuple[int, ...]) -> str:
 
 def _number(count: int) -> str:
     return WORDS[count] if count < len(WORDS) else str(count)
-
-
-# Layouts of body points to choose from: the scene's own, and the one that was made by hand.
 
 
 def layout_choices(settings: Settings) -> dict[str, dict[str, Any]]:
@@ -215,8 +207,6 @@ def require_scene(text: str) -> None:
     if not scene.title.isprintable():
         raise ValueError("the link's scene has a title that cannot be printed")
 
-
-# How a page shows its session: what its visitor and its browser have chosen, and messages.
 
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
 WINDOW = "window"  # instead of all tabs' names

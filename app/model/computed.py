@@ -32,7 +32,6 @@ class OwnLandscape:
     def __init__(self, beside: Callable[..., None]):
         self._beside = beside
         self._asked: tuple | None = None
-        self._seen: tuple | None = None  # what the key of the last moment was made of
         self._begun: Snapshot | None = None  # the first moment in the world
         self._about: Snapshot | None = None  # the moment that was asked for last
         self.made: MadeLandscape | None = None
@@ -42,10 +41,6 @@ class OwnLandscape:
         if self.made is None or self.made.world is not world:
             self._begun = present
             self.made = _without_landscape(world, present)
-        seen = world, present.settings, present.rectification is not None, present.correspondences
-        if seen == self._seen:  # the very same settings mostly, which are soon compared
-            return
-        self._seen = seen
         asked = world, *landscape_key(present)
         if asked != self._asked:
             self._asked, self._about = asked, present
@@ -112,10 +107,6 @@ class Basins:
         self._count = 0  # of requests
         self.run: Run | None = None
 
-    @property
-    def going_on(self) -> bool:
-        return self.run is not None and self.run.goes_on
-
     def toggle(self, session: Session) -> None:
         """Find it, or hide it, which also ends it. Raises ValueError without two moving joints."""
         if self.run is not None:
@@ -126,7 +117,8 @@ class Basins:
             self._asked, self._count = _without_start(session.settings), self._count + 1
             request = Request(f"basin {self._count}", msgspec.structs.replace(self._asked, sensor="projected"))
             self.run = Run(request.name)
-            self._worker.ask(self._queue, request, self._on_result)
+            tell = lambda run: self._queue.put_made(("basin", run.name), self.take, run)
+            self._worker.ask(self._queue, request, tell)
 
     def follow(self, session: Session) -> None:
         """End it if it would differ now."""
@@ -143,12 +135,9 @@ class Basins:
             raise ValueError(f"the starts could not be tried: {run.problem}")
 
     def _end(self) -> None:
-        if self.going_on:
+        if self.run is not None and self.run.goes_on:
             self._worker.cancel(self._queue)
         self.run = None
-
-    def _on_result(self, run: Run) -> None:
-        self._queue.put_made(("basin", run.name), self.take, run)
 
 
 def _without_start(settings: Settings) -> Settings:
@@ -224,11 +213,6 @@ class Experiments:
         return self.latest is not None and self.latest.goes_on
 
     @property
-    def ignores_pictures(self) -> bool:
-        """Whether the page looks with pictures, which an experiment does not."""
-        return self._session.settings.sensor == "rendered"
-
-    @property
     def shown(self) -> Run | None:
         """Of the experiment that is chosen."""
         return self.runs.get(self.chosen)
@@ -240,7 +224,8 @@ class Experiments:
         offered = {"motion": self._motions.asked_for}
         options = {name: offered[name]() for name in EXPERIMENTS[self.chosen].options if name in offered}
         settings = msgspec.structs.replace(self._session.settings, sensor="projected")
-        self._worker.ask(self._queue, Request(self.chosen, settings, options), self._on_result)
+        tell = lambda run: self._queue.put_made(("run", run.name), self.take, run)
+        self._worker.ask(self._queue, Request(self.chosen, settings, options), tell)
 
     def take(self, run: Run) -> None:
         """What the worker tells. Raises ValueError, after taking it, for a run that has failed."""
@@ -253,6 +238,3 @@ class Experiments:
         if self.shown is None or not self.shown.archive:
             raise ValueError("there is nothing to download before the experiment is done")
         self._send(f"viewimit-{self.chosen}.zip", self.shown.archive)
-
-    def _on_result(self, run: Run) -> None:
-        self._queue.put_made(("run", run.name), self.take, run)

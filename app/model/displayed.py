@@ -142,32 +142,6 @@ class Imitated:
 STEP, STAYS = 2.0, 5.0  # s a step, so that its sentence can be read; s that the last one stays
 
 
-class BuildingUp:
-    """How far the construction of the chosen point is built up, while it is shown step by step; it ends by itself."""
-
-    def __init__(self) -> None:
-        self._began: float | None = None
-
-    def begin(self, now: float) -> None:
-        self._began = now
-
-    def end(self) -> None:
-        self._began = None
-
-    @property
-    def goes_on(self) -> bool:
-        return self._began is not None
-
-    def stage(self, now: float, last: int) -> int | None:
-        """From 0 to the last one; None before and afterwards: all is shown."""
-        if self._began is None:
-            return None
-        if now - self._began >= (last + 1) * STEP + STAYS:
-            self._began = None
-            return None
-        return min(max(int((now - self._began) / STEP), 0), last)
-
-
 @dataclass(frozen=True, eq=False)
 class Displayed:
     """What a page displays at one time. Drawings read it and change nothing. present: the session's snapshot;
@@ -258,7 +232,10 @@ class Display:
     def __init__(self, session: Session, player: Player):
         self._session, self._player = session, player
         self._on_the_way = OnTheWay()
-        self.preview, self.playback, self.construction = SeeThrough(session), Imitated(session), BuildingUp()
+        self.preview, self.playback = SeeThrough(session), Imitated(session)
+        self.construction_began: float | None = (
+            None  # while the chosen point's is shown step by step; it ends by itself
+        )
         self._appearance: Appearance | None = None  # made when it is first shown
         self._assessed: tuple[Snapshot, Assessment | None] | None = None  # the last one, which is drawn many times
 
@@ -266,7 +243,7 @@ class Display:
         """End previews, playbacks and constructions: the world was replaced."""
         self._on_the_way, self._appearance = OnTheWay(), None
         self.preview.let_go()
-        self.construction.end()
+        self.construction_began = None
         self.playback.stop()
 
     def poses(self, now: float) -> tuple[NDArray, ...]:
@@ -295,12 +272,20 @@ class Display:
             interpolated_theta=theta if moving else None,
             preview=None if played else preview,
             playback=self.playback.describe() if played else None,
-            stage=None if view.chosen is None else self.construction.stage(now, last),
+            stage=None if view.chosen is None else self._stage(now, last),
             view=view,
             playing=self._player.playing,
             look_at=self._look_at,
             assess=self._assess,
         )
+
+    def _stage(self, now: float, last: int) -> int | None:
+        """From 0 to the last one; None before the construction and afterwards: all is shown."""
+        since = np.inf if self.construction_began is None else now - self.construction_began
+        if since >= (last + 1) * STEP + STAYS:
+            self.construction_began = None
+            return None
+        return min(max(int(since / STEP), 0), last)
 
     def _assess(self) -> Assessment | None:
         if self._assessed is None or self._assessed[0] is not self._session.snapshot:

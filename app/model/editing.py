@@ -59,9 +59,12 @@ class UndoableSession:
 
     def set_body_points(self, points: tuple[BodyPoint, ...]) -> None:
         """Restart with these body points on both arms. Raises ValueError, and changes nothing, for invalid points."""
+        self._restart(lambda: self.session.change(body_points=points))
+
+    def _restart(self, restart: Callable[[], None]) -> None:
         self.player.pause()
         with self.past.recording_undo(whole=True):
-            self.session.change(body_points=points)
+            restart()
         self.after_restart()
 
     def start_at(self, angles_deg: tuple[float, ...]) -> None:
@@ -90,12 +93,8 @@ class UndoableSession:
         self.player.wake()
 
     def begin_preset(self, preset: Preset) -> None:
-        self.player.pause()
-        with self.past.recording_undo(whole=True):
-            self.session.begin(preset.settings)
-        self.player.speed = preset.motions_per_second
-        self.presets.chosen = preset
-        self.after_restart()
+        self._restart(lambda: self.session.begin(preset.settings))
+        self.player.speed, self.presets.chosen = preset.motions_per_second, preset
 
     def begin_like(self, settings: Settings) -> None:
         """Begin with these settings and projected points; Undo does not bring back the former session."""
@@ -131,8 +130,6 @@ class UndoableSession:
         self._in_new_world()
 
 
-# The undo stack: branches of motions that others replaced, and sessions before a restart.
-
 MAX_ENTRIES = 12
 
 Run = tuple[tuple[Snapshot, ...], int, Log]  # history, cursor, and how it came there
@@ -148,14 +145,10 @@ class UndoEntry:
     speed: float  # motions a second
 
     @property
-    def motions(self) -> int:
-        """Of the learner."""
-        return self.runs[0][0][-1].motion
-
-    @property
-    def sensor(self) -> str:
+    def shown(self) -> Snapshot:
+        """The learner's."""
         snapshots, cursor, _log = self.runs[0]
-        return snapshots[cursor].settings.sensor
+        return snapshots[cursor]
 
 
 class UndoStack:

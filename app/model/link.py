@@ -1,8 +1,6 @@
-"""A page as a link or its own tab holds it: one query, which the library reads from left to right as a script.
-
-Fields of the page itself stand beside the script's: the preset, the motion shown, speed, chosen point and switches; in
-a duel the opponent's own query; and for the tab alone, the colours and whether the tour was dismissed.
-"""
+"""A page as a link or its own tab holds it: one query, which the library reads from left to right as a script. Fields
+of the page itself stand beside the script's: the preset, the motion shown, speed, chosen point and switches; in a duel
+the opponent's own query; and for the tab alone, the colours and whether the tour was dismissed."""
 
 import math
 import time
@@ -24,19 +22,7 @@ from viewimit.simulation.robot import robot_names
 from viewimit.simulation.scene import scene_names
 
 from ..jobs.camera_images import CameraProcess, eyes_beside
-from .choices import (
-    FLAGS,
-    MAX_POINTS,
-    PRESETS,
-    SPEEDS,
-    SWITCHES,
-    Preset,
-    View,
-    described,
-    presets_from,
-    require_scene,
-    usual,
-)  # fmt: skip
+from . import choices
 from .player import DENSE
 from .queue import UNFINISHED, CommandQueue
 from .services import Services
@@ -44,10 +30,10 @@ from .services import Services
 MAX_FRAMES = 100  # images averaged in each observation
 MAX_SCENES = 16  # described in full
 BOUNDED = {"scene", "robot", "transfer", "servo", "body_points", "frames", "sensor"}  # settings, by `require_allowed`
-SPEEDS_BY_NAME = {f"{speed:g}": speed for speed in SPEEDS.values()}
+SPEEDS_BY_NAME = {f"{speed:g}": speed for speed in choices.SPEEDS.values()}
 T = TypeVar("T")
 VERSUS = "versus"  # the opponent's query
-OF_PAGE = ("preset", link.PACKED, "at", "speed", "point", VERSUS, "dark", "tour", *SWITCHES)
+OF_PAGE = ("preset", link.PACKED, "at", "speed", "point", VERSUS, "dark", "tour", *choices.SWITCHES)
 EARLIER = "s"  # field of links of version 0.2
 
 
@@ -55,7 +41,7 @@ class Linked(msgspec.Struct, frozen=True, kw_only=True):
     """What a link, or a tab, holds of a page."""
 
     script: Script
-    preset: Preset
+    preset: choices.Preset
     speed: float
     opponent: Script | None = None  # of a duel
     at: int = MAX_HISTORY  # the motion shown
@@ -105,9 +91,9 @@ def read_link(query: str, begun: Settings) -> Linked:
             page[name] = text
     own = {file_name(place): place for place in (begun.scene, begun.robot) if place}
     if begun.scene.lower().endswith(".toml"):
-        own[described(begun.scene)] = begun.scene
+        own[choices.described(begun.scene)] = begun.scene
     preset = _preset(page.get("preset"), begun)
-    base = usual(preset)
+    base = choices.usual(preset)
     share = 2 if VERSUS in page else 1
     script, motion = _script(page.pop(link.PACKED, None), script_pairs, base, share)
     scripts = [script]
@@ -124,10 +110,10 @@ def read_link(query: str, begun: Settings) -> Linked:
         speed=_chosen("speed", page["speed"], SPEEDS_BY_NAME) if "speed" in page else preset.motions_per_second,
         at=_number("at", page["at"], MAX_HISTORY) if "at" in page else MAX_HISTORY,
         chosen=_point(page.get("point")),
-        show={name: getattr(View(), name) for name in SWITCHES}
-        | {n: _chosen(n, page[n], FLAGS) for n in SWITCHES if n in page},
-        dark=_chosen("dark", page["dark"], FLAGS) if "dark" in page else None,
-        offers_tour=_chosen("tour", page.get("tour", "1"), FLAGS),
+        show={name: getattr(choices.View(), name) for name in choices.SWITCHES}
+        | {n: _chosen(n, page[n], choices.FLAGS) for n in choices.SWITCHES if n in page},
+        dark=_chosen("dark", page["dark"], choices.FLAGS) if "dark" in page else None,
+        offers_tour=_chosen("tour", page.get("tour", "1"), choices.FLAGS),
         motion=motion,
     )
 
@@ -142,10 +128,10 @@ def _script(packed: str | None, pairs: link.Pairs, base: Settings, share: int) -
     return found.script, found.motion
 
 
-def _preset(key: str | None, begun: Settings) -> Preset:
+def _preset(key: str | None, begun: Settings) -> choices.Preset:
     if key is None:
-        return next(iter(presets_from(begun).values()))
-    offered = {preset.key: preset for preset in PRESETS}
+        return next(iter(choices.presets_from(begun).values()))
+    offered = {preset.key: preset for preset in choices.PRESETS}
     if key not in offered:
         raise ValueError(f"the link has a preset that is not here, {key[:40]!r}; there are {', '.join(offered)}")
     return offered[key]
@@ -182,28 +168,23 @@ def settings_of(scripts: list[Script]) -> Iterator[Settings]:
             if isinstance(action, Begin):
                 yield action.settings
             elif isinstance(action, ChangeSettings) and not action.fields.keys().isdisjoint(BOUNDED):
-                yield _changed(action)
-
-
-def _changed(action: ChangeSettings) -> Settings:
-    try:
-        return msgspec.convert(action.fields, Settings)
-    except (msgspec.ValidationError, ValueError) as error:
-        raise ValueError(f"the link cannot be opened: {' '.join(str(error).split())[:200]}") from None
+                try:
+                    yield msgspec.convert(action.fields, Settings)
+                except (msgspec.ValidationError, ValueError) as error:
+                    raise ValueError(f"the link cannot be opened: {' '.join(str(error).split())[:200]}") from None
 
 
 def require_allowed(scripts: list[Script], begun: Settings) -> None:
     """Raise ValueError for work that a server does not do for every visitor."""
-    texts: dict[str, None] = {}
-    scenes, robots = {*scene_names(), begun.scene}, {*robot_names(), begun.robot, None}
+    scenes, robots, texts = {*scene_names(), begun.scene}, {*robot_names(), begun.robot, None}, set[str]()
     for settings in settings_of(scripts):
         _require_names(settings, scenes, robots)
         if is_text(settings.scene):
-            texts[settings.scene] = None
+            texts.add(settings.scene)
     if len(texts) > MAX_SCENES:
         raise ValueError(f"the link describes {len(texts)} scenes; {MAX_SCENES} are the most")
     for text in texts:
-        require_scene(text)
+        choices.require_scene(text)
 
 
 def _require_names(settings: Settings, scenes: Container[str], robots: Container[str | None]) -> None:
@@ -214,8 +195,8 @@ def _require_names(settings: Settings, scenes: Container[str], robots: Container
         raise ValueError(f"the link shows a scene that is not here, {settings.scene[:80]!r}")
     if settings.robot not in robots:
         raise ValueError(f"the link shows a robot that is not here, {str(settings.robot)[:80]!r}")
-    if len(settings.body_points or ()) > MAX_POINTS:
-        raise ValueError(f"the link places {len(settings.body_points or ())} points; {MAX_POINTS} are the most")
+    if len(settings.body_points or ()) > choices.MAX_POINTS:
+        raise ValueError(f"the link places {len(settings.body_points or ())} points; {choices.MAX_POINTS} are the most")
     if settings.frames > MAX_FRAMES:
         raise ValueError(f"the link averages {settings.frames} pictures; {MAX_FRAMES} are the most")
     if not all(map(math.isfinite, (*(settings.demonstrator_deg or ()), *(settings.start_deg or ())))):

@@ -8,17 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.analysis.trajectory import (
-    FRAMES,
-    MAX_FRAMES,
-    MOTIONS,
-    STEP_S,
-    Motion,
-    decode_motion,
-    encode_motion,
-    make_motion,
-    require_motion,
-)
+from viewimit.analysis import trajectory
 from viewimit.loop.session import Session
 from viewimit.simulation.scene import Scene
 
@@ -26,7 +16,7 @@ from .queue import RunInBackground, Send
 
 RECORDED = "recorded"  # a motion's name
 TITLES = {"sinusoid": "sinusoid", "circle": "circle of the hand", RECORDED: "recorded"}
-NAMES = {name: TITLES.get(name, name) for name in (*MOTIONS, RECORDED)}
+NAMES = {name: TITLES.get(name, name) for name in (*trajectory.MOTIONS, RECORDED)}
 MOST_BYTES = 1 << 20  # of a file, which is read in the loop; seven joints in 5,000 frames have 0.7 MB
 FILE = "viewimit-motion.json"
 
@@ -43,7 +33,7 @@ class Motions:
         self._session, self._pose, self._clock = session, pose, clock
         self._run_in_background, self._send = run_in_background, send
         self.name = next(iter(NAMES))
-        self.recorded: Motion | None = None
+        self.recorded: trajectory.Motion | None = None
         self.recorder: Recorder | None = None
         self.shown: Playback | None = None
         self._at: NDArray | None = None  # posture that the motion shown has put the demonstrator in
@@ -63,16 +53,16 @@ class Motions:
     def moment(self) -> tuple[float, float]:
         """The time that is shown, and when the motion ends, s; the time is one of a frame."""
         frame = 0 if self.shown is None else round(self.shown.frame)
-        last = FRAMES - 1 if (known := self._known) is None else len(known.theta_deg) - 1
+        last = trajectory.FRAMES - 1 if (known := self._known) is None else len(known.theta_deg) - 1
         return round(frame * self.step_s, 6), round(last * self.step_s, 6)  # without what multiplication adds
 
     @property
     def step_s(self) -> float:
         """Between two frames of the chosen motion."""
-        return STEP_S if (known := self._known) is None else known.step_s
+        return trajectory.STEP_S if (known := self._known) is None else known.step_s
 
     @property
-    def _known(self) -> Motion | None:
+    def _known(self) -> trajectory.Motion | None:
         """The chosen motion; None for one that is still to be made."""
         return self.shown.motion if self.shown is not None else self.recorded if self.name == RECORDED else None
 
@@ -90,7 +80,7 @@ class Motions:
             return "ready", f"{self._title(self.recorded)}: {self.recorded.seconds:.1f} s, {words}"
         return "ready", "about the present pose"
 
-    def _title(self, motion: Motion) -> str:
+    def _title(self, motion: trajectory.Motion) -> str:
         """Of the chosen motion; of one from a file, the beginning of its name there."""
         return motion.name[:40] if self.name == RECORDED != motion.name else NAMES[self.name]
 
@@ -117,7 +107,7 @@ class Motions:
         self._forget_shown()
         self.name = name
 
-    def asked_for(self) -> str | Motion:
+    def asked_for(self) -> str | trajectory.Motion:
         """The chosen motion, as Fig. 10 takes it."""
         return self._require_recorded() if self.name == RECORDED else self.name
 
@@ -159,14 +149,14 @@ class Motions:
         self._with_motion(go)
 
     def save(self) -> None:
-        self._with_motion(lambda shown: self._send(FILE, encode_motion(shown.motion)))
+        self._with_motion(lambda shown: self._send(FILE, trajectory.encode_motion(shown.motion)))
 
     def load(self, data: bytes | int) -> None:
         """data: what a file holds, or its size if that is too large."""
         self._require_no_recording()
         if not isinstance(data, bytes):
             raise ValueError(f"a motion's file has at most {MOST_BYTES >> 20} MB, this one {data / 2**20:.1f} MB")
-        self._keep(decode_motion(data, self._session.scene))
+        self._keep(trajectory.decode_motion(data, self._session.scene))
 
     def _take(self, made: tuple | Exception) -> None:
         """A motion that was made in the background, if it still goes about the demonstrator's posture in this scene."""
@@ -192,13 +182,13 @@ class Motions:
             self._forget_shown()
             self._then = then
             name, world, scene = self.name, session.world, session.scene
-            self._run_in_background(lambda: (name, scene, here, MOTIONS[name](world, here)), self._take)
+            self._run_in_background(lambda: (name, scene, here, trajectory.MOTIONS[name](world, here)), self._take)
 
     def _show(self, shown: Playback) -> None:
         self._pose(shown.theta)
         self._at = self._session.snapshot.theta_demo
 
-    def _keep(self, motion: Motion) -> None:
+    def _keep(self, motion: trajectory.Motion) -> None:
         self._forget_shown()
         self.name, self.recorded = RECORDED, motion
 
@@ -212,10 +202,10 @@ class Motions:
     def _forget_shown(self) -> None:
         self.shown = self._then = None
 
-    def _require_recorded(self) -> Motion:
+    def _require_recorded(self) -> trajectory.Motion:
         if self.recorded is None:
             raise ValueError("nothing is recorded yet: record a motion, or load one")
-        require_motion(self.recorded, self._session.scene)
+        trajectory.require_motion(self.recorded, self._session.scene)
         return self.recorded
 
     def _require_no_recording(self) -> None:
@@ -239,7 +229,7 @@ class Recorder:
     @property
     def full(self) -> bool:
         """Whether it holds as much as a motion may."""
-        return self.seconds >= STEP_S * (MAX_FRAMES - 1)
+        return self.seconds >= trajectory.STEP_S * (trajectory.MAX_FRAMES - 1)
 
     def sample(self, theta: NDArray, now: float) -> None:
         """theta: (m,) rad. Before the first movement only the latest moment is kept."""
@@ -249,20 +239,20 @@ class Recorder:
             self._times.append(now)
             self._postures.append(theta)
 
-    def finish(self) -> Motion:
+    def finish(self) -> trajectory.Motion:
         """The recorded motion, resampled in steps of STEP_S. Raises ValueError if nothing moved."""
         if len(self._times) < 2:
             raise ValueError("nothing was recorded: the demonstrator did not move")
-        frames = min(int(np.ceil(self.seconds / STEP_S - 1e-6)) + 1, MAX_FRAMES)
-        asked = self._times[0] + STEP_S * np.arange(frames)
+        frames = min(int(np.ceil(self.seconds / trajectory.STEP_S - 1e-6)) + 1, trajectory.MAX_FRAMES)
+        asked = self._times[0] + trajectory.STEP_S * np.arange(frames)
         theta = [np.interp(asked, self._times, angle) for angle in np.transpose(self._postures)]
-        return make_motion(RECORDED, self._scene, np.stack(theta, -1))
+        return trajectory.make_motion(RECORDED, self._scene, np.stack(theta, -1))
 
 
 class Playback:
     """A motion, and the moment of it that is shown. frame: with fractions."""
 
-    def __init__(self, played: Motion):
+    def __init__(self, played: trajectory.Motion):
         self.motion, self._theta = played, played.theta
         self.frame = 0.0
         self._began: float | None = None  # when frame 0 was, while it plays

@@ -1,7 +1,5 @@
 """What a page is about, without its widgets: a session, how fast it runs, how it is shown, and what goes with it.
-
-Commands change it; panels and the scene read it, and change nothing.
-"""
+Commands change it; panels and the scene read it, and change nothing."""
 
 from collections.abc import Callable, Hashable
 from dataclasses import replace
@@ -54,6 +52,7 @@ class PageModel:
         self.landscape, self.duel_landscapes = OwnLandscape(beside), DuelLandscapes(beside)
         self.comparison = Comparison(beside)
         self.basins = Basins(services.basins, queue)
+        self._seen: tuple = ()  # what landscapes depend on, as they were asked for
         self.tour_offered = True
         self.eye: Callable[[], Viewpoint | None] = lambda: None
         self.generation, self.inputs = 0, 0
@@ -103,11 +102,15 @@ class PageModel:
 
     def ask_for_landscapes(self) -> None:
         """Ask for the landscapes that have changed since they were asked for last."""
-        world, present = self.session.world, self.session.snapshot
-        self.landscape.ask(world, present)
-        self.comparison.ask(world, present)
-        self.basins.follow(self.session)
-        self.duel_landscapes.ask(world, present, self.duel.opponent)
+        world, present, opponent = self.session.world, self.session.snapshot, self.duel.opponent
+        learners = [present] if opponent is None else [present, opponent.snapshot]
+        fits = [(one.settings, one.rectification is not None, one.correspondences) for one in learners]
+        if (seen := (world, self.comparison.on, fits)) != self._seen:
+            self._seen = seen
+            self.landscape.ask(world, present)
+            self.comparison.ask(world, present)
+            self.basins.follow(self.session)
+            self.duel_landscapes.ask(world, present, opponent)
 
     def refresh(self, now: float, shortest_motion: float = 0.0) -> Displayed:
         """Update the display. shortest_motion: s; an arm that moves for less is displayed where it arrives."""
@@ -134,13 +137,12 @@ class PageModel:
         self.generation += 1
 
 
-# What a page has drawn last, and when: nothing is sent when nothing changes, nor more often than anybody sees.
-
 EARLY = 0.9  # of a period: ticks jitter
 
 
 class Redraw:
-    """Remembers by kind of drawing, or by a name, its last values and when it was drawn."""
+    """Remembers by kind of drawing, or by a name, its last values and when it was drawn: nothing is sent when nothing
+    changes, nor more often than anybody sees."""
 
     def __init__(self):
         self._state: dict[Hashable, tuple] = {}

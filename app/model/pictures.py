@@ -6,22 +6,8 @@ from typing import NamedTuple
 
 from viewimit.drawing.curves import draw_curves
 from viewimit.drawing.equations import equations_of
+from viewimit.drawing.export import figures
 from viewimit.drawing.export.citation import Citation, cite, cite_both, cite_experiment
-from viewimit.drawing.export.figures import (
-    INSTALL,
-    NO_PNG,
-    RENDERER,
-    TYPESETTER,
-    Figure,
-    append_below,
-    can_render,
-    can_typeset,
-    draw_claims,
-    four_images,
-    overlay,
-    stack,
-    typeset_equations,
-)
 from viewimit.drawing.export.perspective import draw_space
 from viewimit.drawing.images.rectified import draw_rectified
 from viewimit.drawing.svg import count_motions
@@ -40,7 +26,7 @@ SPACE = "3-D view"  # as FIGURES
 class Picture(NamedTuple):
     """figure: drawn, or what draws it beside the page; citation: None for that of the page's session."""
 
-    figure: Figure | Callable[[], Figure]
+    figure: figures.Figure | Callable[[], figures.Figure]
     citation: Citation | None = None
 
 
@@ -61,23 +47,24 @@ def save_picture(model: PageModel, now: float) -> None:
         picture = Picture(partial(draw_space, session.world, shown, model.eye(), model.view.rays))
     else:
         picture = FIGURES[what](model)
-    if form == "PNG" and not can_render():
-        raise ValueError(NO_PNG)
+    if form == "PNG" and not figures.can_render():
+        raise ValueError(figures.NO_PNG)
     citation = picture.citation or cite(session, model.snapshot.motion)
     model.send_made("picture", partial(_saved, name, form, picture.figure, citation))
 
 
 def lacking() -> str:
     """Which pictures cannot be made here, and what they need; "" where all can."""
-    render, typeset = can_render(), can_typeset()
+    render, typeset = figures.can_render(), figures.can_typeset()
     if typeset:
-        return "" if render else NO_PNG
+        return "" if render else figures.NO_PNG
     if render:
-        return f"Equations need {TYPESETTER}: {INSTALL}; other pictures do not"
-    return f"PNG needs {RENDERER}, Equations need {TYPESETTER}: {INSTALL}; other pictures, as SVG, need neither"
+        return f"Equations need {figures.TYPESETTER}: {figures.INSTALL}; other pictures do not"
+    needs = f"PNG needs {figures.RENDERER}, Equations need {figures.TYPESETTER}: {figures.INSTALL}"
+    return f"{needs}; other pictures, as SVG, need neither"
 
 
-def _saved(name: str, form: str, figure: Figure | Callable[[], Figure], citation: Citation) -> Saved:
+def _saved(name: str, form: str, figure: figures.Figure | Callable[[], figures.Figure], citation: Citation) -> Saved:
     picture = (figure() if callable(figure) else figure).captioned(citation, DRAWING_CSS)
     return Saved(name, render(picture) if form == "PNG" else picture.encode())
 
@@ -87,35 +74,36 @@ def _images(model: PageModel) -> Picture:
     after = f"after {count_motions(moment.motion)}"
     if model.view.rectified:
         drawn = draw_rectified(moment, model.displayed.arms_in_images[0], True)
-        return Picture(stack([drawn], f"The pictures as seen and as rectified, {after}"))
-    return Picture(four_images(model.displayed.draw_images(print_size=True), f"The learner’s four pictures {after}"))
+        return Picture(figures.stack([drawn], f"The pictures as seen and as rectified, {after}"))
+    drawn = model.displayed.draw_images(print_size=True)
+    return Picture(figures.four_images(drawn, f"The learner’s four pictures {after}"))
 
 
 def _landscape(model: PageModel) -> Picture:
     if model.comparison.html is not None:
-        return Picture(stack([model.comparison.html], "E over the poses of the learner, by all transfers"))
+        return Picture(figures.stack([model.comparison.html], "E over the poses of the learner, by all transfers"))
     if model.landscape.made is None:
         raise ValueError("the landscape is not there yet")
     picture, session = model.landscape.made.picture, model.session
     path, over = picture.draw_path(session.history, session.cursor), f"over {count_motions(session.cursor)}"
     is_map = len(session.scene.moving_joints) == 2
     title = "E over the poses of the learner, and its path" if is_map else "Joint error per pixel of noise,"
-    return Picture(overlay([picture.html, path], f"{title} {over}"))
+    return Picture(figures.overlay([picture.html, path], f"{title} {over}"))
 
 
 def _curves(model: PageModel) -> Picture:
     session, made = model.session, model.landscape.made
     E_true, joints = None if made is None else made.E_true, session.scene.moving_joints
     drawn = draw_curves(session.history, session.cursor, E_true, joints, errors_deg=model.displayed.errors_deg)
-    return Picture(stack([drawn], f"Conflict E and joint angles over {count_motions(session.cursor)}"))
+    return Picture(figures.stack([drawn], f"Conflict E and joint angles over {count_motions(session.cursor)}"))
 
 
 def _equations(model: PageModel) -> Picture:
-    if not can_typeset():
-        raise ValueError(f"a picture of equations needs {TYPESETTER}: {INSTALL}")
+    if not figures.can_typeset():
+        raise ValueError(f"a picture of equations needs {figures.TYPESETTER}: {figures.INSTALL}")
     text = equations_of(model.snapshot, model.view.chosen)
     title = f"The equations with their numbers after {count_motions(model.snapshot.motion)}"
-    return Picture(partial(typeset_equations, text, title))
+    return Picture(partial(figures.typeset_equations, text, title))
 
 
 def _duel(model: PageModel) -> Picture:
@@ -125,9 +113,9 @@ def _duel(model: PageModel) -> Picture:
     cited, standings = cite_both(model.session, opponent), duel.standings
     race = draw_race(scene, (model.session, opponent), standings)
     title = f"A duel after {count_motions(model.snapshot.motion)}: {cited.title}"
-    figure = overlay([model.duel_landscapes.html, race], title)
+    figure = figures.overlay([model.duel_landscapes.html, race], title)
     if len(scene.moving_joints) == 2:
-        figure = append_below(figure, draw_errors_alone(standings))
+        figure = figures.append_below(figure, draw_errors_alone(standings))
     return Picture(figure, cited)
 
 
@@ -135,10 +123,10 @@ def _experiment(model: PageModel) -> Picture:
     run = model.experiments.shown
     if run is None or run.request is None or not run.claims:
         raise ValueError("the experiment is not done yet: run it in its tab")
-    figure, asked = stack([run.figure], EXPERIMENTS[run.name].title), run.request
-    text = draw_claims([(one.name, one.paper, one.here, one.tolerance, one.holds) for one in run.claims])
+    figure, asked = figures.stack([run.figure], EXPERIMENTS[run.name].title), run.request
+    text = figures.draw_claims([(one.name, one.paper, one.here, one.tolerance, one.holds) for one in run.claims])
     cited = cite_experiment(run.name, asked.settings, asked.options.get("motion"))
-    return Picture(append_below(figure, text), cited)
+    return Picture(figures.append_below(figure, text), cited)
 
 
 FIGURES: Mapping[str, Callable[[PageModel], Picture]] = {

@@ -144,25 +144,18 @@ class Player:
         else:
             self._next = max(self._next, now - LATE) + 1 / self.speed
             for runner in self._awake:
-                runner.move(now, self._seen_for(min(MOTION_SHARE / self.speed, LONGEST_MOTION)))
+                runner.move(now, 0.0 if self.still else min(MOTION_SHARE / self.speed, LONGEST_MOTION))
 
     def step(self, now: float) -> None:
         """One motion, as when playing slowly."""
         for runner in self.runners:
-            runner.move(now, self._seen_for(SINGLE_STEP))
-
-    def undo(self, now: float) -> None:
-        """One motion back, seen as one."""
-        self.scrub(self.cursor - 1, now)
+            runner.move(now, 0.0 if self.still else SINGLE_STEP)
 
     def scrub(self, motion: int, now: float | None = None) -> None:
         """To the moment after that many motions, if there is one; a runner that made fewer stays at its last."""
         if 0 <= motion <= self.last:
             for runner in self.runners:
                 runner.scrub(motion, None if self.still else now)
-
-    def _seen_for(self, duration: float) -> float:
-        return 0.0 if self.still else duration
 
     @property
     def _awake(self) -> list[Runner]:

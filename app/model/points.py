@@ -1,8 +1,6 @@
-"""Editing the body points: which there are, what they tell, which one more would tell most, a file with them.
-
-Both arms wear the same points. It uses what the simulation knows, as a person who marks an arm sees it; the learner
-gets only the images of the points.
-"""
+"""Editing the body points: which there are, what they tell, which one more would tell most, a file with them. Both arms
+wear the same points. It uses what the simulation knows, as a person who marks an arm sees it; the learner gets only the
+images of the points."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -69,11 +67,9 @@ class PointEditing:
 
     def let_go(self) -> bool:
         """Of a proposal, or else of editing. Whether there was one of them."""
-        if self.proposal is None and self.on:
-            self.begun = False
-            return True
-        there, self._made = self.proposal is not None, None
-        return there
+        proposed, was_on, self._made = self.proposal is not None, self.on, None
+        self.begun = self.begun and (proposed or not was_on)
+        return proposed or was_on
 
     def place(self, link: int, local: tuple[float, float, float]) -> None:
         """Another point, (3,) m in the frame of a link, 0 = base. Raises ValueError."""

@@ -5,7 +5,7 @@ import math
 import threading
 import traceback
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
@@ -36,37 +36,34 @@ class Entry:
     is_made: bool = False
 
 
+@dataclass(frozen=True, eq=False)
 class Command:
-    """What a visitor can do; panels, keys and links call it by its name. parsers: by parameter, what a browser's value
-    stands for; each raises ValueError if it stands for none; latest: calls that differ in their last argument alone are
-    values of one control, of which the newest is enough; link: links of the drawings and the page's script may call it;
-    camera: called as `function`, whether it will ask for camera images; how: moves, order_independent, cancels, as of
-    `Entry`."""
+    """What a visitor can do; panels, keys and links call it by its name.
 
-    def __init__(
-        self,
-        name: str,
-        function: Callable[..., None],
-        parsers: Sequence[Callable[[Any], Any]] = (),
-        *,
-        latest: bool = False,
-        link: bool = False,
-        camera: Callable[..., bool] = lambda model, *arguments: False,
-        **how: bool,
-    ):
-        self.name, self.function, self.parsers, self.link = name, function, parsers, link
-        self._latest, self._camera, self._how = latest, camera, how
-        self._takes_now = "now" in inspect.signature(function).parameters
+    parsers: by parameter, what a browser's value stands for; each raises ValueError if it stands for none; latest:
+    calls that differ in their last argument alone are values of one control, of which the newest is enough; link: links
+    of the drawings and the page's script may call it; camera: called as `function`, whether it will ask for camera
+    images; how: moves, order_independent, cancels, as of `Entry`.
+    """
+
+    name: str
+    function: Callable[..., None]
+    parsers: Sequence[Callable[[Any], Any]] = ()
+    latest: bool = False
+    link: bool = False
+    camera: Callable[..., bool] = lambda model, *arguments: False
+    takes_now: bool = False  # the time, s
+    how: Mapping[str, bool] = field(default_factory=dict)
 
     def __call__(self, *values: Any, sender: Hashable = None) -> Entry:
         """Parse a browser's values. Raises ValueError for values that no visitor could have chosen."""
         arguments = tuple(parse(value) for parse, value in zip(self.parsers, values, strict=True))
         return Entry(
-            apply=lambda model, now: self.function(model, *arguments, **({"now": now} if self._takes_now else {})),
-            coalesce_key=(self.name, *arguments[:-1]) if self._latest else None,
+            apply=lambda model, now: self.function(model, *arguments, **({"now": now} if self.takes_now else {})),
+            coalesce_key=(self.name, *arguments[:-1]) if self.latest else None,
             sender=sender,
-            camera=lambda model: self._camera(model, *arguments),
-            **self._how,
+            camera=lambda model: self.camera(model, *arguments),
+            **self.how,
         )
 
 
@@ -77,7 +74,9 @@ def add(name: str, function: Callable[..., None], *parsers: Callable[[Any], Any]
     """Add a command of this name. options: as of `Command`. Raises ValueError for a name that is taken."""
     if name in COMMANDS:
         raise ValueError(f"two commands named {name!r}")
-    COMMANDS[name] = Command(name, function, parsers, **options)
+    own = {option: options.pop(option) for option in ("latest", "link", "camera") if option in options}
+    timed = "now" in inspect.signature(function).parameters
+    COMMANDS[name] = Command(name, function, parsers, takes_now=timed, how=options, **own)
 
 
 def command(name: str, **options: Any) -> Callable[[Function], Function]:
@@ -290,6 +289,11 @@ def one_of(options: Any, refusal: str) -> Callable[[object], Any]:
         return names[value] if isinstance(names, Mapping) else value
 
     return parse
+
+
+def titled(entries: Mapping[str, Any], what: str) -> Callable[[object], Any]:
+    """Return a parser that takes the title of an entry of a registry, and returns its name."""
+    return one_of(lambda: {entry.title: name for name, entry in entries.items()}, f"there is no {what} {{value}}")
 
 
 PARSERS: dict[type, Callable[[Any], Any]] = {int: whole, float: number, bool: switch, str: text}

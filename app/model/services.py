@@ -27,9 +27,7 @@ class Services:
 
     def forget(self, page: CommandQueue) -> None:
         """Do nothing more for a page that is gone."""
-        for each in (
-            self.landscapes, self.files, self.scripts, self.picture_scripts, self.experiments, self.basins,
-        ):  # fmt: skip
+        for each in (self.landscapes, self.files, self.scripts, self.picture_scripts, self.experiments, self.basins):
             each.forget(page)
 
     def stop(self) -> None:

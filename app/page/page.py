@@ -243,10 +243,8 @@ class CommandLoop:
 
 
 class Background:
-    """Runs one turn at a time in a thread: what takes long for one page.
-
-    busy: a turn runs, or `end` has not reported its end; alone: the turn changes the session, so do not read it.
-    """
+    """Runs one turn at a time in a thread: what takes long for one page. busy: a turn runs, or `end` has not reported
+    its end; alone: the turn changes the session, so do not read it."""
 
     def __init__(self):
         self._turn: Future | None = None

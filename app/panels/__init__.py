@@ -1,7 +1,5 @@
-"""The page's panels: functions that declare widgets and drawings. What a visitor did becomes commands.
-
-`PANELS` is the page in the order in which it is built; a panel is one function, and one line here.
-"""
+"""The page's panels: functions that declare widgets and drawings. What a visitor did becomes commands. `PANELS` is the
+page in the order in which it is built; a panel is one function, and one line here."""
 
 from collections.abc import Callable
 

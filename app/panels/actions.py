@@ -1,8 +1,6 @@
 """What a page's script sends by the page's own connection: clicks in its drawings, and what its browser says of itself.
-
 It puts numbered actions into a text widget that nobody sees, and sends them again until the widget shows the last
-number. So each is taken once, and in order, even if the connection breaks.
-"""
+number. So each is taken once, and in order, even if the connection breaks."""
 
 from collections.abc import Callable
 from functools import partial
@@ -61,11 +59,11 @@ class Actions:
                 self._call(control, value)
 
     def _call(self, control: str, value: str) -> None:
-        command = self._queue.commands.get(control)
+        command, sender = self._queue.commands.get(control), ("action", control)
         if command is None or not command.link:
-            self._queue.reject(f"this page has no control {control!r}: reload it", ("action", control))
+            self._queue.reject(f"this page has no control {control!r}: reload it", sender)
         else:
-            self._queue.call(control, *[value] * len(command.parsers), sender=("action", control))
+            self._queue.call(control, *[value] * len(command.parsers), sender=sender)
 
 
 def actions(layout: Layout, model: PageModel) -> None:

@@ -109,22 +109,18 @@ def still(layout: Layout, model: PageModel) -> None:
 def views(layout: Layout, model: PageModel) -> None:
     """The tabs of a window that is too small for all at once: layout.css shows the one that is chosen, without the
     server."""
-    tabs = "".join(_tab(name, label, checked=name == "images") for name, label in VIEWS.items())
-    layout.gui.add_html(f'<div class="vi-views" role="radiogroup" aria-label="View">{tabs}</div>')
-
-
-def _tab(name: str, label: str, checked: bool) -> str:
-    chosen = " checked" if checked else ""
-    return (
-        f'<input type="radio" name="vi-view" id="vi-view-{name}"{chosen}><label for="vi-view-{name}">'
-        f'<svg viewBox="0 0 24 24" aria-hidden="true">{ICONS[name]}</svg>{label}</label>'
+    tabs = "".join(
+        f'<input type="radio" name="vi-view" id="vi-view-{name}"{" checked" if name == "images" else ""}>'
+        f'<label for="vi-view-{name}"><svg viewBox="0 0 24 24" aria-hidden="true">{ICONS[name]}</svg>{label}</label>'
+        for name, label in VIEWS.items()
     )
+    layout.gui.add_html(f'<div class="vi-views" role="radiogroup" aria-label="View">{tabs}</div>')
 
 
 def enlarge(layout: Layout, model: PageModel) -> None:
     """Declare the large panel, and the links that enlarge one, in every tab of the upper panel. A browser has only the
     open tab's widgets. To be built after all tabs."""
-    for tab in layout.upper_tabs:
+    for tab in layout.upper_tabs.values():
         with tab:
             layout.html(lambda model: _enlarge_links(model.view.large, model.view.details))
 
@@ -144,8 +140,6 @@ def _enlarge_links(large: str | None, details: bool) -> str:
     mark += '<i class="vi-details"></i>' if details else ""
     return f'<div class="vi-larger-links">{links}</div>{mark}'
 
-
-# The folder in which body points are edited: begin and end, remove, propose, save, and what the points tell.
 
 EDIT, DONE = ("Edit points", Icon.POINT), ("Done", Icon.CHECK)
 PROPOSE, TAKE = ("Best next", Icon.BULB), ("Take it", Icon.BULB)

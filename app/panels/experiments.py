@@ -46,7 +46,7 @@ def experiments(layout: Layout, model: PageModel) -> None:
             has = lambda what: lambda model: bool(getattr(model.experiments.shown, what, None))
             layout.button(look, "imitation", visible=has("imitation"))
             layout.button(("Download figure and data", Icon.DOWNLOAD), "download", enabled=has("archive"))
-        layout.html(lambda model: POINTS_ONLY if model.experiments.ignores_pictures else "")
+        layout.html(lambda model: POINTS_ONLY if model.settings.sensor == "rendered" else "")
         figure, claims = layout.gui.add_html(""), layout.gui.add_html("")
         layout.gui.add_html(asks(("Q", "bias", "basin")))
 
@@ -97,7 +97,7 @@ def draw_verdict(run: Run | None) -> str:
     if run is None or not run.claims:
         return ""
     head = "".join(f"<th>{words}</th>" for words in ("claim", "paper", "here", "tolerance", "holds"))
-    rows = "".join(_row(claim) for claim in run.claims)
+    rows = "".join(map(_row, run.claims))
     said = f"<p><b>{svg.escape(verdict(run.claims))}</b></p>"
     return f'<div class="vi-claims">{said}<table><tr>{head}</tr>{rows}</table></div>'
 
@@ -107,8 +107,6 @@ def _row(claim: Claim) -> str:
     cells = "".join(f"<td>{svg.escape(words)}</td>" for words in (name, claim.paper, claim.here, claim.tolerance))
     return f"<tr>{cells}<td>{MARKS[claim.holds]}</td></tr>"
 
-
-# The tab Follow: record the demonstrator's motion, replay it, go through it, keep it in a file.
 
 ABOUT = (
     "Here the demonstrator moves along a path: choose one, record your own while you move it, or load one from a file."

@@ -107,9 +107,6 @@ def lessons(layout: Layout, model: PageModel) -> None:
     head, offer, offered = layout.gui.add_html(""), layout.gui.add_html("", order=LAST), not _offered(model)
     small = layout.gui.add_html("")
 
-    def key(model: PageModel) -> tuple:
-        return model.player.last > 0, *STATE(model)
-
     def draw(model: PageModel) -> None:
         nonlocal offered
         offered = _offered(model)
@@ -117,11 +114,9 @@ def lessons(layout: Layout, model: PageModel) -> None:
         put_html(small, draw_small(model))
         put_html(offer, draw_offer(model, layout.info.lessons))
 
-    def period(model: PageModel) -> float:
-        """The way back is updated now and then, as that takes time; the offer is removed at once."""
-        return REWRITTEN_EVERY if _offered(model) == offered else 0.0
-
-    layout.drawing(key, draw, period)
+    # the way back is updated now and then, as that takes time; the offer is removed at once
+    key = lambda model: (model.player.last > 0, *STATE(model))
+    layout.drawing(key, draw, lambda model: REWRITTEN_EVERY if _offered(model) == offered else 0.0)
 
 
 def glossary(layout: Layout, model: PageModel) -> None:

@@ -12,16 +12,7 @@ from viewimit.loop.settings import MAX_SEED, given
 from viewimit.servo import SERVOS
 
 from ..drawing.overlays import beside, draw_learner
-from ..model.choices import (
-    FRAMES,
-    OF_ARMS,
-    OF_IMAGES,
-    SPEEDS,
-    Amount,
-    chosen_joints,
-    joint_choices,
-    modified,
-)
+from ..model import choices
 from ..model.editing import Rehearsal
 from ..model.page_model import PageModel
 from .panel import SLOW, JointSliders, Layout, Look, put, put_html, put_max
@@ -89,16 +80,14 @@ def history(layout: Layout, model: PageModel) -> None:
 
     layout.drawing(lambda model: (model.player.cursor, model.player.last), show_length, period=SLOW)
     # of a speed that only links have, the nearest
-    speed = lambda model: min(SPEEDS, key=lambda name: abs(SPEEDS[name] - model.player.speed))
-    layout.dropdown("Speed", list(SPEEDS), speed, "speed", period=SLOW)
+    speed = lambda model: min(choices.SPEEDS, key=lambda name: abs(choices.SPEEDS[name] - model.player.speed))
+    layout.dropdown("Speed", list(choices.SPEEDS), speed, "speed", period=SLOW)
 
 
 def _name(model: PageModel) -> str:
     """The preset, as the list has it."""
-    return modified(model.preset.name) if model.modified else model.preset.name
+    return choices.modified(model.preset.name) if model.modified else model.preset.name
 
-
-# The demonstrator's joints, and the learner's: their sliders, bars, and what the learner has seen of itself before.
 
 WATCH, STOP = ("Watch yourself first", Icon.EYE), ("Stop", Icon.PLAYER_STOP)
 FORGET = "Forget", Icon.ERASER
@@ -115,9 +104,7 @@ def demonstrator(layout: Layout, model: PageModel) -> None:
         layout.gui.add_html('<div class="vi-or">… or drag the arrows at its hand</div>')
     sliders = JointSliders(layout, inside, "{joint}", "pose_joint")
 
-    def show(model: PageModel) -> None:
-        sliders.show(model, given(model.settings.demonstrator_deg))
-
+    show = lambda model: sliders.show(model, given(model.settings.demonstrator_deg))
     show(model)
     layout.drawing(lambda model: (model.generation, model.settings.demonstrator_deg, model.inputs), show)
 
@@ -140,11 +127,8 @@ def learner(layout: Layout, model: PageModel) -> None:
         assessment = shown.assessment if shown.playback is None else None  # which is of the session's snapshot
         put_html(bars, draw_learner(model.session.scene, shown.learner_theta, shown.snapshot.theta_demo, assessment))
 
-    def bars_period(model: PageModel) -> float:
-        """They move along with the arm; numbers that change with every motion nobody reads faster."""
-        return 0.0 if model.displayed.interpolated_theta is not None else SLOW
-
-    layout.drawing(bars_key, draw_bars, bars_period)
+    # they move along with the arm; numbers that change with every motion nobody reads faster
+    layout.drawing(bars_key, draw_bars, lambda model: SLOW if model.displayed.interpolated_theta is None else 0.0)
 
 
 def start(layout: Layout, model: PageModel) -> None:
@@ -153,17 +137,14 @@ def start(layout: Layout, model: PageModel) -> None:
     folder = layout.folder("Start", lambda model: _angles(given(model.settings.start_deg)))
     with folder:
         with layout.row(quiet=True):
-            layout.button(
-                _rehearsal_look, "rehearsal", hint=HINT, enabled=lambda model: Rehearsal(model.session).offered
-            )
+            offered = lambda model: Rehearsal(model.session).offered
+            layout.button(_rehearsal_look, "rehearsal", offered, hint=HINT)
             layout.html(lambda model: f'<div class="vi-remembers">{Rehearsal(model.session).words}</div>')
         inside = layout.gui.add_folder(None)
     sliders = JointSliders(layout, inside, "Start {joint}", "start_joint", "The learner starts again there.")
 
-    def show_start(model: PageModel) -> None:
-        sliders.show(model, given(model.settings.start_deg))
-
-    layout.drawing(lambda model: (model.generation, model.settings.start_deg, model.inputs), show_start)
+    show = lambda model: sliders.show(model, given(model.settings.start_deg))
+    layout.drawing(lambda model: (model.generation, model.settings.start_deg, model.inputs), show)
 
 
 def _angles(angles_deg: Sequence[float]) -> str:
@@ -173,9 +154,6 @@ def _angles(angles_deg: Sequence[float]) -> str:
 def _rehearsal_look(model: PageModel) -> Look:
     rehearsal = Rehearsal(model.session)
     return STOP if rehearsal.to_go else FORGET if rehearsal.held else WATCH
-
-
-# Transfer, servo, and the joints that imitate; and what makes it harder, the less frequent disturbances folded.
 
 
 def method(layout: Layout, model: PageModel) -> None:
@@ -192,10 +170,10 @@ def method(layout: Layout, model: PageModel) -> None:
 
     def show_joints(model: PageModel) -> None:
         nonlocal offered
-        choices = joint_choices(model.settings)
-        if offered != list(choices):
-            offered = joints.options = list(choices)
-        put(joints, chosen_joints(model.settings, choices))
+        names = choices.joint_choices(model.settings)
+        if offered != list(names):
+            offered = joints.options = list(names)
+        put(joints, choices.chosen_joints(model.settings, names))
 
     layout.drawing(lambda model: (model.generation, model.settings.joints, model.inputs), show_joints)
 
@@ -203,10 +181,10 @@ def method(layout: Layout, model: PageModel) -> None:
 def disturbances(layout: Layout, model: PageModel) -> None:
     gui = layout.gui
     with layout.folder("Disturbances", _disturbances):
-        for amount in OF_IMAGES:
+        for amount in choices.OF_IMAGES:
             _add_amount(layout, amount, model)
         with gui.add_folder("Actuator errors, random seed", expand_by_default=False):
-            for amount in OF_ARMS:
+            for amount in choices.OF_ARMS:
                 _add_amount(layout, amount, model)
             seed = gui.add_number("Seed", model.settings.seed, min=0, max=MAX_SEED, step=1)
             layout.value(seed, lambda model: model.settings.seed, "seed")
@@ -220,12 +198,12 @@ def _method(model: PageModel) -> str:
 
 def _disturbances(model: PageModel) -> str:
     """The first two, by their names."""
-    amounts = {amount.label: amount.shown(model.settings) for amount in (*OF_IMAGES, *OF_ARMS)}
-    there = [label for label, shown in amounts.items() if shown > (label == FRAMES.label) or shown < 0]
+    amounts = {amount.label: amount.shown(model.settings) for amount in (*choices.OF_IMAGES, *choices.OF_ARMS)}
+    there = [label for label, shown in amounts.items() if shown > (label == choices.FRAMES.label) or shown < 0]
     return (", ".join(there[:2]).lower() + (" …" if len(there) > 2 else "")) or "none"
 
 
-def _add_amount(layout: Layout, amount: Amount, model: PageModel) -> None:
+def _add_amount(layout: Layout, amount: choices.Amount, model: PageModel) -> None:
     """A slider, which reaches farther if the page is asked to begin there."""
     begun = amount.shown(model.settings)
     low, high = min(amount.low, begun), max(amount.high, begun)

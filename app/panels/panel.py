@@ -88,7 +88,7 @@ class Layout:
         self._controls: dict[tuple[str, str, float], Controls] = {}
         self.gui.main_panel.dock_left()
         self._upper, self._lower = self.gui.add_panel(), self.gui.add_panel()
-        self._upper_tabs: dict[str, AbstractContextManager] = {}
+        self.upper_tabs: dict[str, AbstractContextManager] = {}
         self._lower_tabs: dict[str, AbstractContextManager] = {}
 
     def build(self, panels: Iterable[Callable[["Layout", PageModel], None]], model: PageModel) -> None:
@@ -104,16 +104,11 @@ class Layout:
 
     def upper_tab(self, name: str) -> AbstractContextManager[None]:
         """The tab of this name in the upper panel: widgets declared inside stand in it."""
-        return self._in_tab(self._upper, self._upper_tabs, name)
+        return self._in_tab(self._upper, self.upper_tabs, name)
 
     def tab(self, name: str) -> AbstractContextManager[None]:
         """As `upper_tab`, in the lower panel."""
         return self._in_tab(self._lower, self._lower_tabs, name)
-
-    @property
-    def upper_tabs(self) -> list[AbstractContextManager]:
-        """All tabs that the upper panel has so far, to add widgets to."""
-        return list(self._upper_tabs.values())
 
     def folder(self, name: str, holds: Read | None = None) -> AbstractContextManager:
         """A closed folder. holds: the choice in it, in a few words, which stands beside its name."""
@@ -266,9 +261,6 @@ class JointSliders:
                 slider = self._layout.gui.add_slider(name, low, high, 0.5, angles_deg[k], hint=self._hint)
                 self._layout.queue.on_value(slider, self._command, k)
                 self._sliders.append(slider)
-
-
-# Properties of viser's widgets, written only if they differ
 
 
 def put(handle: Any, value: Any) -> None:

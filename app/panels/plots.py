@@ -16,20 +16,12 @@ from viewimit.estimation.transfers import TRANSFERS
 from viewimit.servo import SERVOS
 
 from ..drawing import duel as drawing
-from ..drawing.overlays import (
-    asks,
-    draw_see_through,
-    motion_field,
-    point_links,
-    point_places,
-    posture_field,
-    proposed_marks,
-)
+from ..drawing import overlays
 from ..model.page_model import PageModel
 from .panel import SLOW, SLOWEST, Layout, put_html, put_properties
 
 COMPARE, ALONE = ("Compare all transfers", Icon.LAYOUT_GRID), ("This transfer alone", Icon.SQUARE)
-WORDS = asks(("bias", "basin"))  # in the lines under all transfers' landscapes
+WORDS = overlays.asks(("bias", "basin"))  # in the lines under all transfers' landscapes
 FROM_STARTS = "Try 20 starts", Icon.CHART_DOTS
 CANCEL, HIDE = ("Cancel", Icon.PLAYER_STOP), ("Hide the starts", Icon.EYE_OFF)
 STARTS = "Twenty learners, at most 300 steps each: where they end, within 2°, and whether they claim to have converged."
@@ -42,7 +34,7 @@ def images(layout: Layout, model: PageModel) -> None:
         shown, links, proposed = (layout.gui.add_html("") for k in range(3))
         layout.named["images"] = shown
         layout.drawing(_images_key, partial(_draw_images, shown, proposed))
-        layout.drawing(_links_key, lambda model: put_html(links, point_links(*_links_key(model))))
+        layout.drawing(_links_key, lambda model: put_html(links, overlays.point_links(*_links_key(model))))
 
 
 def _images_key(model: PageModel) -> tuple:
@@ -60,10 +52,10 @@ def _draw_images(shown: Any, proposed: Any, model: PageModel) -> None:
         put_html(proposed, "")
         return
     marks = model.edited.proposed_in
-    put_html(proposed, "" if marks is None else proposed_marks(marks, windows, view.whole_frames))
+    put_html(proposed, "" if marks is None else overlays.proposed_marks(marks, windows, view.whole_frames))
     standing = None if displayed.preview is None else displayed.look_at(model.snapshot)[0]
     seen = now.views
-    places = point_places(seen.demo, seen.own, seen.visible, windows, view.whole_frames)
+    places = overlays.point_places(seen.demo, seen.own, seen.visible, windows, view.whole_frames)
     put_html(shown, displayed.draw_images(displayed.stage, standing) + places)
 
 
@@ -95,42 +87,32 @@ def landscape(layout: Layout, model: PageModel) -> None:
                 put_properties(over, visible=shown)
 
         layout.bind(lambda model: not _compares(model), show_own)
-        own = OwnPath(ground, path)
-        layout.drawing(own.key, own.draw, own.period)
+        drawn: MadeLandscape | None = None
+
+        def path_key(model: PageModel) -> tuple:
+            on_its_way = model.displayed.interpolated_theta
+            theta = model.snapshot.theta if on_its_way is None else on_its_way
+            return model.landscape.made, model.snapshot, theta.tobytes()
+
+        def draw_path(model: PageModel) -> None:
+            nonlocal drawn
+            drawn, session = model.landscape.made, model.session
+            if drawn is not None:
+                put_html(ground, drawn.picture.html)
+                on_its_way = model.displayed.interpolated_theta
+                put_html(path, drawn.picture.draw_path(session.history, session.cursor, on_its_way))
+
+        # at once, as the images, while the arm moves or after a new landscape
+        at_once = lambda model: model.displayed.interpolated_theta is not None or model.landscape.made is not drawn
+        layout.drawing(path_key, draw_path, lambda model: 0.0 if at_once(model) else SLOW)
 
         def draw_preview(model: PageModel) -> None:
             moment = model.displayed.preview
-            put_html(preview, "" if moment is None else draw_see_through(model.session.scene, moment))
+            put_html(preview, "" if moment is None else overlays.draw_see_through(model.session.scene, moment))
 
         layout.drawing(attrgetter("displayed.preview", "generation"), draw_preview)
-        draw_links = lambda model: put_html(links, posture_field(model.session.scene))
+        draw_links = lambda model: put_html(links, overlays.posture_field(model.session.scene))
         layout.drawing(lambda model: (model.generation,), draw_links)
-
-
-class OwnPath:
-    """The landscape of the session's own transfer, and the learner's path on it."""
-
-    def __init__(self, ground: Any, path: Any):
-        self._ground, self._path = ground, path
-        self._drawn: MadeLandscape | None = None
-
-    def key(self, model: PageModel) -> tuple:
-        on_its_way = model.displayed.interpolated_theta
-        theta = model.snapshot.theta if on_its_way is None else on_its_way
-        return model.landscape.made, model.snapshot, theta.tobytes()
-
-    def period(self, model: PageModel) -> float:
-        """Return 0 s, as for the images, while the arm moves or after a new landscape; else the period of plots."""
-        at_once = model.displayed.interpolated_theta is not None or model.landscape.made is not self._drawn
-        return 0.0 if at_once else SLOW
-
-    def draw(self, model: PageModel) -> None:
-        self._drawn = made = model.landscape.made
-        if made is not None:
-            session = model.session
-            put_html(self._ground, made.picture.html)
-            on_its_way = model.displayed.interpolated_theta
-            put_html(self._path, made.picture.draw_path(session.history, session.cursor, on_its_way))
 
 
 def _compares(model: PageModel) -> bool:
@@ -155,7 +137,7 @@ def curves(layout: Layout, model: PageModel) -> None:
             put_html(shown, drawn)
 
         layout.drawing(lambda model: (model.snapshot, len(model.session.history), model.landscape.made), draw, SLOW)
-        draw_field = lambda end: put_html(over, f'<div class="vi-over">{motion_field(end)}</div>')
+        draw_field = lambda end: put_html(over, f'<div class="vi-over">{overlays.motion_field(end)}</div>')
         layout.bind(lambda model: axis_end(len(model.session.history) - 1), draw_field)
 
 
@@ -163,12 +145,10 @@ def equations(layout: Layout, model: PageModel) -> None:
     """The paper's equations with their present numbers."""
     with layout.tab("Equations"):
         shown = layout.gui.add_html("")
-        layout.gui.add_html(asks(("lambda", "rho", "D")))
+        layout.gui.add_html(overlays.asks(("lambda", "rho", "D")))
         key = attrgetter("displayed.snapshot", "view.chosen")
         layout.drawing(key, lambda model: put_html(shown, draw_equations(*key(model))), period=SLOWEST)
 
-
-# The tab Duel: the opponent's method, both paths, standings.
 
 BEGIN, END = ("Begin duel", Icon.SWORDS), ("End duel", Icon.PLAYER_STOP)
 

@@ -21,10 +21,8 @@ REPLAY = "all steps as one file that any browser opens, without a server"
 PICTURE = "at print size, in colours of print, with the caption that makes it citable; S"
 MOST_IN_QR = 1_200  # characters that a telephone still reads from a screen
 SCALE, BORDER = 3, 2  # px a module of a QR code, and modules around it
-ONLY_HERE = (
-    "Start the server with <code>--host 0.0.0.0</code> so that others on your network can open this link."
-    " Now it opens on this machine only."
-)
+ONLY_HERE = """Start the server with <code>--host 0.0.0.0</code> so that others on your network can open this link.
+ Now it opens on this machine only."""
 WIDTH = 420  # px of a link's QR code, if its modules are not smaller than that: a projector's is read from a back row
 
 
@@ -76,8 +74,7 @@ def share_html(model: PageModel, origin: str | None, is_local: bool = False) -> 
 def _copied(title: str, text: str, lines: bool = False, tells: bool = False) -> str:
     """With a button that copies it. lines: of code; tells: it shows the demonstrator's posture."""
     shown = html.escape(text)
-    name = f"Copy: {title}"
-    button = f'<button type="button" class="vi-copy" aria-label="{name}">Copy</button>'
+    button = f'<button type="button" class="vi-copy" aria-label="Copy: {title}">Copy</button>'
     kind, hidden = ' class="vi-code"' if lines else "", ' class="vi-tells"' if tells else ""
     return f'<section{hidden}><h3>{title}</h3>{button}<pre{kind} tabindex="0">{shown}</pre></section>'
 

@@ -1,9 +1,6 @@
-"""The strip over the scene: the learner's words, and beneath them the truth.
-
-Other words take their place: a message while it lasts, a recording or replay, points that are edited, a previewed
-posture, and the warning that nothing is saved. While an arm moves, both describe the posture in which it is displayed,
-as the images do.
-"""
+"""The strip over the scene: the learner's words, and beneath them the truth. Other words take their place: a message
+while it lasts, a recording or replay, points that are edited, a previewed posture, and the warning that nothing is
+saved. While an arm moves, both describe the posture in which it is displayed, as the images do."""
 
 from viewimit.drawing.curves import describe_errors
 from viewimit.drawing.status import BY_PAGE, StatusMessage, describe, describe_outcome, describe_truth, draw_status
@@ -42,11 +39,9 @@ def status(layout: Layout, model: PageModel) -> None:
         choices += "<kbd>Esc</kbd>" if choices else ""
         put_html(strip, draw_status(said, truth, choices, _outcome(model, said)))
 
-    def period(model: PageModel) -> float:
-        """Nobody reads faster what changes with every motion, and on the way."""
-        return SLOW if model.player.playing or model.displayed.interpolated_theta is not None else 0.0
-
-    layout.drawing(key, draw, period)
+    # nobody reads faster what changes with every motion, and on the way
+    moves = lambda model: model.player.playing or model.displayed.interpolated_theta is not None
+    layout.drawing(key, draw, lambda model: SLOW if moves(model) else 0.0)
 
 
 def show_fault(layout: Layout, text: str) -> None:

@@ -1,10 +1,7 @@
-"""The arms in 3-D: meshes once on the server, poses a client.
-
-A mesh hangs under nested frames /robot/arm/j1/…/ji on the server's scene. Each page adds frames of the same
-names on its own scene; they shadow the shared ones, and the shared meshes follow them. So their colour is shared, too:
-one tint, near the role's in light and in dark, which each page's own light makes darker. The opponent of a duel stands
-where the learner does, so one sees through it.
-"""
+"""The arms in 3-D: meshes once on the server, poses a client. A mesh hangs under nested frames /robot/arm/j1/…/ji on
+the server's scene. Each page adds frames of the same names on its own scene; they shadow the shared ones, and the
+shared meshes follow them. So their colour is shared, too: one tint, near the role's in light and in dark, which each
+page's own light makes darker. The opponent of a duel stands where the learner does, so one sees through it."""
 
 import zlib
 from collections.abc import Callable, Iterable, Sequence

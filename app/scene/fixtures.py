@@ -8,24 +8,8 @@ from viser import ClientHandle, ImageHandle, MeshHandle, SceneApi
 
 from viewimit.drawing.theme import rgb
 from viewimit.estimation.views import VIEWS
+from viewimit.simulation import scene_geometry as geometry
 from viewimit.simulation.camera import Camera
-from viewimit.simulation.scene_geometry import (
-    CELL,
-    LINE,
-    LOOKS,
-    PLATE,
-    VIEW_ROLES,
-    Look,
-    Solid,
-    cameras_of,
-    corners,
-    floor_lines,
-    frustum,
-    labels,
-    on_plate,
-    sheet,
-    solids,
-)
 from viewimit.simulation.world import World
 
 from .. import viser_private
@@ -36,7 +20,7 @@ CELLS, PIECE = 10, 5  # of the floor on either side, and points of its lines fro
 PAPER = {False: np.full(3, 255.0), True: np.full(3, 20.0)}  # what viser draws the scene on
 
 
-def add_light(scene: SceneApi, look: Look, shadows: bool = False) -> None:
+def add_light(scene: SceneApi, look: geometry.Look, shadows: bool = False) -> None:
     """A page's own shadows that of the server, which is there before anything is to be lit: else all is drawn once
     without it, by programs of its own. shadows: whether the sun casts any, which a browser that renders in software
     takes twice as long for."""
@@ -49,10 +33,10 @@ def add_light(scene: SceneApi, look: Look, shadows: bool = False) -> None:
 def add_floor(scene: SceneApi, world: World, dark: bool, shadows: bool) -> None:
     """Lines that fade into the page, and what shadows fall on: viser's grid, which works out every pixel of the floor,
     a quarter of a frame with shadows where a browser renders in software."""
-    lines, size = floor_lines(world, CELLS), world.scene.size
-    distance = np.linalg.norm(lines - lines.mean((0, 1)), axis=-1, keepdims=True) / (CELLS * CELL * size)
+    lines, size = geometry.floor_lines(world, CELLS), world.scene.size
+    distance = np.linalg.norm(lines - lines.mean((0, 1)), axis=-1, keepdims=True) / (CELLS * geometry.CELL * size)
     strength = np.clip(1 - distance**2, 0, 1)
-    colours = strength * LOOKS[dark].sections + (1 - strength) * PAPER[dark]
+    colours = strength * geometry.LOOKS[dark].sections + (1 - strength) * PAPER[dark]
     pieces = lambda of: np.stack([of[:, :-1:PIECE], of[:, PIECE::PIECE]], -2).reshape(-1, 2, 3)
     scene.add_line_segments("/floor", pieces(lines).astype(np.float32), linear(pieces(colours)), **in_px(1.0))
     invisible: dict[str, Any] = {
@@ -69,16 +53,18 @@ class Fixtures:
 
     def __init__(self, client: ClientHandle, nodes: Nodes, world: World, dark: bool):
         self._client, self._nodes, self._world = client, nodes, world
-        self._dark, self._look, self._size = dark, LOOKS[dark], world.scene.size
+        self._dark, self._look, self._size = dark, geometry.LOOKS[dark], world.scene.size
         self._plates: dict[str, MeshHandle] = {}
         self._pictures: dict[str, ImageHandle] = {}  # on the plates
         self._shown: dict[str, bytes | None] = {}  # what they show
-        for solid in solids(world):
-            self._add_solid(solid)
-        for label in labels(world):
-            node, line = f"/stage/{label.name}", LINE * self._size
+        for solid in geometry.solids(world):
+            place: dict[str, Any] = {"position": solid.position, "wxyz": quaternion(solid.turn)}
+            add, colour = client.scene.add_mesh_simple, getattr(self._look, solid.colour)
+            nodes.keep(add(f"/stage/{solid.name}", solid.vertices, solid.faces, color=colour, **place))
+        for label in geometry.labels(world):
+            node, line = f"/stage/{label.name}", geometry.LINE * self._size
             nodes.keep(add_text(client.scene, node, label.text, label.role, dark, label.position, line))
-        for name, camera, role in zip(VIEWS, cameras_of(world), VIEW_ROLES):
+        for name, camera, role in zip(VIEWS, geometry.cameras_of(world), geometry.VIEW_ROLES):
             self._add_frustum(name, camera, role)
             self._add_picture(name, camera)
 
@@ -93,22 +79,19 @@ class Fixtures:
                 if picture is not None:
                     viser_private.push_jpeg(self._pictures[view], picture)
 
-    def _add_solid(self, solid: Solid) -> None:
-        add, colour = self._client.scene.add_mesh_simple, getattr(self._look, solid.colour)
-        place: dict[str, Any] = {"position": solid.position, "wxyz": quaternion(solid.turn)}
-        self._nodes.keep(add(f"/stage/{solid.name}", solid.vertices, solid.faces, color=colour, **place))
-
     def _add_frustum(self, name: str, camera: Camera, role: str) -> None:
-        plate, lines = on_plate(camera, corners(camera), self._size), frustum(camera, self._size).astype(np.float32)
+        plate = geometry.on_plate(camera, geometry.corners(camera), self._size)
+        lines = geometry.frustum(camera, self._size).astype(np.float32)
         scene, keep = self._client.scene, self._nodes.keep
         keep(scene.add_line_segments(f"/stage/frustum_{name}", lines, rgb(role, self._dark), **in_px(1.6)))
         shown: dict[str, Any] = {"color": self._look.plate, "opacity": 0.55, **UNLIT}
-        self._plates[name] = keep(scene.add_mesh_simple(f"/stage/plate_{name}", *sheet(plate), **shown))
+        self._plates[name] = keep(scene.add_mesh_simple(f"/stage/plate_{name}", *geometry.sheet(plate), **shown))
 
     def _add_picture(self, view: str, camera: Camera) -> None:
         """As large as the plate and just behind it, so that drawings on the plate stay in sight; hidden."""
-        T, scale = camera.T_world_camera, self._size * PLATE / np.array(camera.lens.focal)
-        middle = on_plate(camera, corners(camera), self._size).mean(0) + self._size * BEHIND * T[:3, 2]
+        T, scale = camera.T_world_camera, self._size * geometry.PLATE / np.array(camera.lens.focal)
+        plate = geometry.on_plate(camera, geometry.corners(camera), self._size)
+        middle = plate.mean(0) + self._size * BEHIND * T[:3, 2]
         picture = self._client.scene.add_image(
             f"/stage/picture_{view}", np.zeros((1, 1, 3), np.uint8), camera.width * scale[0], camera.height * scale[1],
             format="jpeg", wxyz=quaternion(T[:3, :3]), position=middle, visible=False, **UNLIT,

@@ -131,8 +131,6 @@ def segments(starts: NDArray, ends: NDArray, seen: NDArray) -> NDArray:
     return np.where(seen[..., None, None], np.stack([starts, ends], axis=-2), FAR_AWAY).reshape(-1, 2, 3)
 
 
-# The body point that is proposed, hollow, on both arms.
-
 RADIUS, SIDES = 0.024, 24  # m, in a scene of size 1; of a circle
 
 

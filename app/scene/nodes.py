@@ -51,9 +51,6 @@ def in_px(thickness: float) -> dict[str, Any]:
     return {"thickness": thickness, "thickness_units": "screen"}
 
 
-# Colours as viser takes them.
-
-
 def linear(colour: ArrayLike) -> NDArray:
     """(..., 3) sRGB, 0 … 255 → uint8. Batched meshes, and segments of several colours, read them as linear light."""
     share = np.asarray(colour) / 255

@@ -12,18 +12,9 @@ from viser import ClientHandle, ImageHandle, SceneClickEvent, ViserServer
 from viewimit.drawing.export.perspective import Viewpoint
 from viewimit.drawing.theme import rgb
 from viewimit.loop.snapshot import Snapshot
+from viewimit.simulation import scene_geometry as geometry
 from viewimit.simulation.meshes import SurfaceHit, first_hit
 from viewimit.simulation.robot import link_meshes
-from viewimit.simulation.scene_geometry import (
-    BELOW,
-    FOV,
-    LOOKS,
-    POINT_SIZE,
-    arm_landmarks,
-    fit_view,
-    landmarks,
-    octahedron,
-)
 from viewimit.simulation.world import World, hand_position
 
 from ..model.displayed import Displayed
@@ -42,7 +33,7 @@ def share_light(server: ViserServer) -> None:
     in software seconds to make ready."""
     server.scene.configure_default_lights(enabled=False)
     server.scene.configure_environment_map(hdri=None)
-    add_light(server.scene, LOOKS[False])
+    add_light(server.scene, geometry.LOOKS[False])
 
 
 class Scene3D:
@@ -98,7 +89,7 @@ class Scene3D:
         view, snapshot, points = model.view, model.displayed.scene_snapshot, model.edited
         if (view.on("dark"), view.shadows) != (self._dark, self._shadows):
             self._dark, self._shadows = view.on("dark"), view.shadows
-            add_light(self._client.scene, LOOKS[self._dark], self._shadows)
+            add_light(self._client.scene, geometry.LOOKS[self._dark], self._shadows)
             self._furnish()
         self._view.follow(lambda: self._landmarks(model.snapshot))
         if view.fits != self._fits:
@@ -129,20 +120,21 @@ class Scene3D:
         if (aspect := self._view.aspect) is None:
             return None
         position, target = np.array(camera.position), np.array(camera.look_at)
-        return Viewpoint(position, target, float(camera.fov), aspect, BELOW - UNCOVERED)
+        return Viewpoint(position, target, float(camera.fov), aspect, geometry.BELOW - UNCOVERED)
 
     def _landmarks(self, present: Snapshot) -> NDArray:
         """(k, 3) m: what the default view must hold, the arms where they are and at the ends of their range."""
-        return np.concatenate([landmarks(self._world), arm_landmarks(self._world, present.theta, present.theta_demo)])
+        arms = geometry.arm_landmarks(self._world, present.theta, present.theta_demo)
+        return np.concatenate([geometry.landmarks(self._world), arms])
 
     def _add_point(self, arm: str, i: int) -> None:
-        body, scene, size = self._world.body, self._client.scene, self._world.scene.size * POINT_SIZE[arm]
+        body, scene, size = self._world.body, self._client.scene, self._world.scene.size * geometry.POINT_SIZE[arm]
         name = f"{link_name(self._world.scene, arm, int(body.link[i]))}/p{i}"
         shown: dict[str, Any] = {"color": rgb(arm, self._dark), "position": body.local[i], "cast_shadow": False}
         if arm == "learner":
             self._nodes.keep(scene.add_icosphere(name, size / 2, subdivisions=2, **shown))
         else:
-            self._nodes.keep(scene.add_mesh_simple(name, *octahedron(size), **shown))
+            self._nodes.keep(scene.add_mesh_simple(name, *geometry.octahedron(size), **shown))
 
     def _take_click(self, origin: NDArray, direction: NDArray) -> None:
         """Choose the point at this ray, on either arm; while points are edited, one that nothing hides, or place
@@ -150,7 +142,7 @@ class Scene3D:
         points, size = self._points, self._world.scene.size
         if not len(points):
             return
-        radius = size * np.repeat([POINT_SIZE[arm] / 2 for arm in ALWAYS_SEEN], len(points) // 2)
+        radius = size * np.repeat([geometry.POINT_SIZE[arm] / 2 for arm in ALWAYS_SEEN], len(points) // 2)
         hit = None if self._edited is None else self._surface_at(self._edited, origin, direction)
         surface = np.inf if hit is None else hit.distance
         i = picked(points, radius, origin, direction, self._client.camera.fov, surface)
@@ -167,8 +159,6 @@ class Scene3D:
         hits = [first_hit(meshes, T_world_links, origin, direction) for T_world_links in frames]
         return min((hit for hit in hits if hit is not None), key=lambda hit: hit.distance, default=None)
 
-
-# The default camera of a page's 3-D scene: where it is put, and when again.
 
 SAME_SHAPE = 0.01  # of an aspect: viser draws with fewer pixels when it is slow, and rounds their number
 UNTOUCHED = 0.01  # m that a camera may be off a place where the page put it
@@ -194,8 +184,8 @@ class DefaultView:
     def fit(self, landmarks: NDArray) -> None:
         """As near as the canvas allows. landmarks: (k, 3) m, what must be seen."""
         camera, self._aspect = self._client.camera, self.aspect
-        position, target = fit_view(landmarks, self._aspect or 1.0, BELOW)
-        camera.fov = float(FOV)
+        position, target = geometry.fit_view(landmarks, self._aspect or 1.0, geometry.BELOW)
+        camera.fov = float(geometry.FOV)
         for offset in (NUDGE, 0.0):
             camera.position, camera.look_at = position + offset, target + offset
         self._places.append(position)
@@ -227,8 +217,6 @@ class DefaultView:
         here = self._client.camera.position
         return any(math.dist(here, place) < UNTOUCHED for place in places)
 
-
-# The arrows at the demonstrator's hand, by which it is dragged.
 
 NODE = "/demonstrator_hand"
 SIZE = 0.22  # m, of its arrows
@@ -276,8 +264,6 @@ class HandGizmo:
         if self._let_go and not self._dragging:
             self._gizmo.position, self._let_go = self._hand[2], False
 
-
-# Which point a click in the 3-D scene means.
 
 REACH = 0.02  # of the canvas's height that a click may be off: a fingertip, 12 px of 600
 

@@ -1,7 +1,5 @@
-"""Who may connect, and what each answer says about itself.
-
-viser opens a websocket server that takes anybody, from any page, and any message; this stands around it.
-"""
+"""Who may connect, and what each answer says about itself. viser opens a websocket server that takes anybody, from any
+page, and any message; this stands around it."""
 
 import asyncio
 import json
@@ -107,7 +105,9 @@ class AccessControl:
             report = json.dumps({"status": "ok", "clients": len(self.seats)})
             return plain_response(HTTPStatus.OK, report + "\n", "application/json")
         if path == "/lab" or path.startswith("/lab/"):
-            return await self._answer_lab(path[5:])
+            if (page := await asyncio.to_thread(self._lab, path[5:])) is None:
+                return plain_response(HTTPStatus.NOT_FOUND, "no such lesson")
+            return plain_response(HTTPStatus.OK, page, "text/html", **LAB_HEADERS)
         try:
             answer = viser_answers(connection, request)
         except (OSError, ValueError):  # a path that no file can have
@@ -128,13 +128,6 @@ class AccessControl:
             answer.headers.pop(name, None)  # to set one that is there would add to it
             answer.headers[name] = value
         return answer
-
-    async def _answer_lab(self, name: str) -> Response:
-        """Return the page of the lab or a lesson."""
-        page = await asyncio.to_thread(self._lab, name)
-        if page is None:
-            return plain_response(HTTPStatus.NOT_FOUND, "no such lesson")
-        return plain_response(HTTPStatus.OK, page, "text/html", **LAB_HEADERS)
 
     def _refuse_seat(self, connection: GuardedConnection, host: str, origin: str | None) -> Response | None:
         if origin is not None and not is_own_page(Origin(origin), host, self._origins):

@@ -38,14 +38,10 @@ class GuardedConnection(Connection):
         self._failing: asyncio.Task | None = None
         self._starts: asyncio.TimerHandle | None = None
 
-    @property
-    def name(self) -> str:
-        """For the log."""
-        address = self.remote_address
-        return f"{address[0]}:{address[1]}" if address else "a client that is gone"
-
     def note(self, what: str) -> None:
-        log.warning("%s: refused %s", self.name, ascii(what)[1:-1][:300])  # it may hold what the client wrote
+        """Log what is refused, which may hold what the client wrote."""
+        name = "{}:{}".format(*self.remote_address[:2]) if self.remote_address else "a client that is gone"
+        log.warning("%s: refused %s", name, ascii(what)[1:-1][:300])
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._seats.discard(self)

@@ -97,13 +97,9 @@ PAGE_CONNECTIONS = 12  # that a browser or two open at once
 
 @dataclass(frozen=True)
 class Limits:
-    """The limits of a server.
-
-    seats: tabs at a time; seats_of_one: of those, from one address.
-
-    Times in s. head_within: from the connection to its answer; page_within: from a handshake to the first view;
-    pong_within: for a ping to be sent and answered; closed_within: for a closing handshake.
-    """
+    """The limits of a server. seats: tabs at a time; seats_of_one: of those, from one address. Times in s. head_within:
+    from the connection to its answer; page_within: from a handshake to the first view; pong_within: for a ping to be
+    sent and answered; closed_within: for a closing handshake."""
 
     seats: int = 40
     seats_of_one: int = 36

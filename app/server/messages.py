@@ -1,8 +1,6 @@
-"""The message guard: what a browser may send, field by field, and what its own page has.
-
-Messages that are not described here are refused before viser sees it.
-Real numbers are bounded, which NaN and infinities are not within. Types and fields are those of viser._messages.
-"""
+"""The message guard: what a browser may send, field by field, and what its own page has. Messages that are not
+described here are refused before viser sees it. Real numbers are bounded, which NaN and infinities are not within.
+Types and fields are those of viser._messages."""
 
 import asyncio
 import math
@@ -11,18 +9,8 @@ from collections.abc import Callable
 from typing import Annotated, Any, Literal
 
 import msgspec
+import viser
 from msgspec import Meta
-from viser import (
-    ClientHandle,
-    GuiButtonGroupHandle,
-    GuiButtonHandle,
-    GuiCheckboxHandle,
-    GuiDropdownHandle,
-    GuiNumberHandle,
-    GuiSliderHandle,
-    GuiTextHandle,
-    GuiUploadButtonHandle,
-)
 
 from .. import viser_private
 from ..panels.actions import LABEL as ACTIONS_LABEL
@@ -114,7 +102,7 @@ class MessageValidator:
     """Checks messages against the client's own page. `admit` raises Refused or Hostile. belongs_to_another(uuid):
     whether some other client has such a widget."""
 
-    def __init__(self, client: ClientHandle, belongs_to_another: Callable[[str], bool]):
+    def __init__(self, client: viser.ClientHandle, belongs_to_another: Callable[[str], bool]):
         self._client, self._belongs_to_another = client, belongs_to_another
         self._uploads = Uploads(lambda transfer: viser_private.drop_upload(client, transfer))
         self._checks: dict[str, Callable[[Any], None]] = {
@@ -160,7 +148,7 @@ class MessageValidator:
             raise Refused("a click along no direction")
 
     def _check_upload(self, message: Any) -> None:
-        if not isinstance(self._own(message.source_component_uuid), GuiUploadButtonHandle):
+        if not isinstance(self._own(message.source_component_uuid), viser.GuiUploadButtonHandle):
             raise Hostile("an upload to what takes none")
         self._uploads.begin(message)
 
@@ -261,11 +249,11 @@ def _check_text(widget, value) -> None:
 
 
 _CHECKS: dict[type, Callable] = {
-    GuiSliderHandle: _check_number,
-    GuiNumberHandle: _check_number,
-    GuiDropdownHandle: _check_option,
-    GuiButtonGroupHandle: _check_option,
-    GuiCheckboxHandle: _check_switch,
-    GuiButtonHandle: _check_switch,
-    GuiTextHandle: _check_text,
+    viser.GuiSliderHandle: _check_number,
+    viser.GuiNumberHandle: _check_number,
+    viser.GuiDropdownHandle: _check_option,
+    viser.GuiButtonGroupHandle: _check_option,
+    viser.GuiCheckboxHandle: _check_switch,
+    viser.GuiButtonHandle: _check_switch,
+    viser.GuiTextHandle: _check_text,
 }

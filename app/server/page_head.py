@@ -1,8 +1,6 @@
-"""viser's page: its title, icon and script, and its content security policy.
-
-viser's page is one file: a script that unpacks another one, with WebAssembly, and puts it into the document. The policy
-names the scripts of the page as it is served by their hashes; they alone run, and what they make.
-"""
+"""viser's page: its title, icon and script, and its content security policy. viser's page is one file: a script that
+unpacks another one, with WebAssembly, and puts it into the document. The policy names the scripts of the page as it is
+served by their hashes; they alone run, and what they make."""
 
 import base64
 import gzip

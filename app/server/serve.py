@@ -64,6 +64,5 @@ def _end() -> None:
 
 
 def usual_per_address(host: str, max_clients: int) -> int:
-    """Tabs that one address may have: all where only this machine comes, on which a proxy may stand. Else a class
-    behind one router needs most, and a tenth is left for who comes from elsewhere."""
+    """Tabs that one address may have: all on this machine, where a proxy may stand; else a tenth is left for others."""
     return max_clients if is_loopback(host) else max_clients - max_clients // 10

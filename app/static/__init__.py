@@ -1,7 +1,6 @@
 """What the browser is given as it is: the page's stylesheet, complete with the drawings' and the font, and its script,
-which names for keys, screen readers and the stylesheet what viser leaves without a name. Markup is
-beside the drawings.
-"""
+which names for keys, screen readers and the stylesheet what viser leaves without a name. Markup is beside the
+drawings."""
 
 from pathlib import Path
 

@@ -26,7 +26,7 @@ def test_it_is_asked_for_with_the_settings_but_the_start_and_by_points(visit):
     toggle(model)
     (request,) = worker.asked
     assert request.settings.start_deg is None and request.settings.sensor == "projected"
-    assert request.settings.servo == model.session.settings.servo and model.basins.going_on
+    assert request.settings.servo == model.session.settings.servo and model.basins.run.goes_on
     worker.tell(Run(request.name, "running", figure="<p>some</p>"))
     visitor.arrive()
     assert model.basins.run.figure == "<p>some</p>"

@@ -220,22 +220,11 @@ def name_points(body: TrackedBody, views: FourViews) -> NamedPoints:
             found, used = tried, frame
         if found is not None and found.accepted:
             break
-    rows = found.names if found is not None and found.accepted else np.full(len(body.points), -1)
-    demo = np.where((rows >= 0)[:, None], views.demo[:, rows], np.nan)
-    ordered = FourViews(demo, views.own[:, body.points], _visible(views, rows, body.points))
+    names = np.full(views.own.shape[1], -1)
+    if found is not None and found.accepted:
+        names[body.points] = found.names
+    ordered = views.named(names).select(body.points)
     return NamedPoints(ordered, None if found is None else found.per_pixel(body.unit_px), used)
-
-
-def own_points(body: TrackedBody, views: FourViews) -> FourViews:
-    """Select the points of the own body in T frames, (T, N, …)."""
-    own = body.points
-    return FourViews(views.demo[:, own], views.own[:, own], views.visible[:, own])
-
-
-def _visible(views: FourViews, rows: NDArray[np.int_], own: NDArray[np.int_]) -> NDArray[np.bool_]:
-    """(T, N, 4), of the demonstrator's points in their new order and of the own points."""
-    demo = np.where((rows >= 0)[:, None], views.visible[:, rows, :2], False)
-    return np.concatenate([demo, views.visible[:, own, 2:]], -1)
 
 
 # What shows the own body: a table of its joint angles beside the tracks, or a calibration.

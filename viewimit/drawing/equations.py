@@ -36,7 +36,14 @@ def equations_of(snapshot: Snapshot, chosen: int | None = None) -> tuple[Equatio
             demo, own = map(fitted.rectification.apply, (demo, own))
             recovery, fitted = (_rectification(fitted.rectification),), fitted.between
         recovery = *recovery, _constraint(snapshot, demo, own, name), *method.equations(fitted, demo, own, name)
-    return *recovery, _conflict(snapshot), *_law(snapshot)
+    last = LastMotion(
+        E=snapshot.E,
+        seen=snapshot.views.visible[:, 2:],
+        displacement=snapshot.commanded - snapshot.settings.start_rad,
+        moved=snapshot.moved,
+        status=snapshot.status,
+    )
+    return *recovery, _conflict(snapshot), *snapshot.servo.equations(snapshot.servo_state, last)
 
 
 _CONFLICT = r"E=\frac{1}{2N}\sum_{i=1}^{N}\left({}^{L}𝐞_i^{\top}\,{}^{L}𝐞_i+{}^{R}𝐞_i^{\top}\,{}^{R}𝐞_i\right)"
@@ -76,18 +83,6 @@ def _rectification(by: Rectification) -> Equation:
     rows = [row for H in (by.left, by.right) for row in H.tolist()]
     numbers = [number(value, digits) for row in rows for value, digits in zip(row, (4, 4, 1))]
     return Equation("", "rectification: matched points get equal rows", latex, tuple(numbers), note, wide=True)
-
-
-def _law(snapshot: Snapshot) -> tuple[Equation, ...]:
-    """Write the law of the servo."""
-    moment = LastMotion(
-        E=snapshot.E,
-        seen=snapshot.views.visible[:, 2:],
-        displacement=snapshot.commanded - snapshot.settings.start_rad,
-        moved=snapshot.moved,
-        status=snapshot.status,
-    )
-    return snapshot.servo.equations(snapshot.servo_state, moment)
 
 
 def _card(equation: Equation) -> str:

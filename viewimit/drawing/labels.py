@@ -65,10 +65,6 @@ class Labels:
         """Occupy squares around points, (2,) or (k, 2) px."""
         self.take(*_around(places.reshape(-1, 2).tolist(), radius))
 
-    def take_line(self, points: Floats, radius: float) -> None:
-        """Occupy a line through points, (k, 2) px."""
-        self.take(*line_rectangles(points, radius))
-
     def covers(self, place: Rectangle) -> bool:
         """Say whether a rectangle within bounds overlaps an occupied one."""
         left, top, right, bottom = place

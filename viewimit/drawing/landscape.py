@@ -41,11 +41,8 @@ def draw_observability(joints: Sequence[int], std_per_px: Floats) -> str:
     row = min(ROW, (HEIGHT - 96) / len(joints))
     bars = f'<g transform="translate(0 38)">{draw_bars(joints, std_per_px, WIDTH, row)}</g>'
     y = 38 + row * len(joints) + 20
-    words = [
-        svg.text(0, y + 15 * k, line, "" if k else "vi-b")
-        for k, line in enumerate(describe_weakness(joints, std_per_px))
-    ]
-    return head + bars + "".join(words)
+    said = enumerate(describe_weakness(joints, std_per_px))
+    return head + bars + "".join(svg.text(0, y + 15 * k, line, "" if k else "vi-b") for k, line in said)
 
 
 def draw_bars(joints: Sequence[int], std_per_px: Floats, width: float, row: float) -> str:
@@ -207,9 +204,8 @@ class LandscapePicture:
         fine = max(np.degrees(np.diff(axis)).max() for axis in landscape.axes) <= CLOSE_DEG / 2
         room = min(plane.box[2:]) > 2 * INSET
         if fine and room and np.max(np.abs(demo - lowest)) < CLOSE_DEG:
-            self._inset_ground = self._inset(
-                landscape, demo, lowest, [*marks, (start + marks[1]) / 2, start, np.array(hint[:2])]
-            )
+            busy = [*marks, (start + marks[1]) / 2, start, np.array(hint[:2])]
+            self._inset_ground = self._inset(landscape, demo, lowest, busy)
         self._above = _marks(marks) + self._above
         left_first = bool(marks[0, 0] <= marks[1, 0] + 1)
         named = (("demonstrator", demo, "vi-lead-demo"), ("smallest E", lowest, "vi-lead"))
@@ -228,14 +224,12 @@ class LandscapePicture:
         centre = (demo + lowest) / 2
         self._zoom = middle, centre
         self._plane.labels.take_points(middle, side + 3)
-        near = [
-            np.flatnonzero(np.abs(np.degrees(axis) - c) < CLOSE_DEG + 1.5) for axis, c in zip(landscape.axes, centre)
-        ]
-        first, second = landscape.axes
-        columns, rows = self._plane.grid((first[near[0]], second[near[1]]))
-        at = self._plane.place(centre)
-        enlarged = tuple(middle[k] + (px - at[k]) * self._enlargement for k, px in enumerate((columns, rows)))
-        contours = relief.fine_contours((enlarged[0], enlarged[1]), landscape.E[np.ix_(*near)])
+        off = [np.abs(np.degrees(axis) - c) for axis, c in zip(landscape.axes, centre)]
+        first, second = near = [np.flatnonzero(one < CLOSE_DEG + 1.5) for one in off]
+        columns, rows = self._plane.grid((landscape.axes[0][first], landscape.axes[1][second]))
+        x0, y0 = self._plane.place(centre)
+        grid = middle[0] + (columns - x0) * self._enlargement, middle[1] + (rows - y0) * self._enlargement
+        contours = relief.fine_contours(grid, landscape.E[np.ix_(*near)])
         self._above = f'<g class="vi-detail">{_marks(self._zoomed(self._plane.place(np.stack([demo, lowest]))))}</g>'
         left, top = middle - side
         size = f'width="{INSET - 1}" height="{INSET - 1}" rx="3"'

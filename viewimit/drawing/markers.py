@@ -74,16 +74,11 @@ def _marker(left: float, top: float, cell: float, white: list[list[bool]]) -> st
     """A black square of which the white cells are cut out, run by run."""
     d = _rectangle(left, top, len(white) * cell, len(white) * cell)
     for line, row in enumerate(white):
-        for begin, end in _runs(row):
+        edges = [k for k, (a, b) in enumerate(zip([False, *row], [*row, False])) if a != b]
+        for begin, end in zip(edges[::2], edges[1::2]):
             d += _rectangle(left + begin * cell, top + line * cell, (end - begin) * cell, cell)
     return f'<path fill-rule="evenodd" d="{d}"/>'
 
 
 def _rectangle(x: float, y: float, width: float, height: float) -> str:
     return f"M{x:.3f} {y:.3f}h{width:.3f}v{height:.3f}h{-width:.3f}z"
-
-
-def _runs(white: list[bool]) -> list[tuple[int, int]]:
-    """Begin and end of each run of white cells."""
-    edges = [k for k, (a, b) in enumerate(zip([False, *white], [*white, False])) if a != b]
-    return list(zip(edges[::2], edges[1::2]))

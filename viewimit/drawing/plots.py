@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, wraps
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +37,12 @@ def log10(values: ArrayLike) -> Floats:
     """Return logarithms for a logarithmic axis; NaN for values below MIN_POSITIVE."""
     values = np.asarray(values, float)
     return np.log10(np.where(values > MIN_POSITIVE, values, np.nan))
+
+
+def _kept(draw: Callable[..., str]) -> Callable[..., str]:
+    """Keep what is drawn: the same axes are drawn for many motions, and their words take longer than the curve."""
+    kept = lru_cache(256)(draw)
+    return wraps(draw)(lambda axes, ticks, *more: kept(axes, tuple(ticks), *more))
 
 
 @dataclass(frozen=True)
@@ -87,17 +93,23 @@ class Axes:
             f'<tspan class="vi-2nd" dx="5">{svg.escape(note)}</tspan></text>'
         )
 
+    @_kept
     def rules(self, ticks: Iterable[Tick]) -> str:
         """Draw a horizontal line at each tick."""
-        return _rules(self, tuple(ticks))
+        lines = (f"M{self.left:.1f} {self.y_px(value):.1f}H{self.right:.1f}" for value, __ in ticks)
+        return f'<path class="vi-rule" d="{"".join(lines)}"/>'
 
+    @_kept
     def beside(self, ticks: Iterable[Tick], gap: float = GAP) -> str:
         """Draw the ticks' words left of the plot."""
-        return _beside(self, tuple(ticks), gap)
+        places = [(float(self.y_px(value)) + 4, words) for value, words in ticks]
+        return "".join(svg.text(self.left - gap, y, words, "vi-2nd vi-end") for y, words in places)
 
+    @_kept
     def below(self, ticks: Iterable[Tick], drop: float = 13) -> str:
         """Draw the ticks' words below the plot."""
-        return _below(self, tuple(ticks), drop)
+        places = [(float(self.x_px(value)), words) for value, words in ticks]
+        return "".join(svg.text(x, self.bottom + drop, words, "vi-2nd vi-mid") for x, words in places)
 
     def line(self, x: ArrayLike, y: ArrayLike, classes: str) -> str:
         """Draw a line through points; "" if none has a place."""
@@ -119,27 +131,6 @@ class Axes:
     def _ends(self) -> tuple[tuple[float, float], tuple[float, float]]:
         (left, right), (low, high) = self.across(self.x).tolist(), self.up(self.y).tolist()
         return (left, right), (low, high)
-
-
-# the same axes are drawn for many motions, and their words take longer than the curve
-@lru_cache(256)
-def _rules(axes: Axes, ticks: tuple[Tick, ...]) -> str:
-    lines = "".join(f"M{axes.left:.1f} {axes.y_px(value):.1f}H{axes.right:.1f}" for value, __ in ticks)
-    return f'<path class="vi-rule" d="{lines}"/>'
-
-
-@lru_cache(256)
-def _beside(axes: Axes, ticks: tuple[Tick, ...], gap: float) -> str:
-    return "".join(
-        svg.text(axes.left - gap, float(axes.y_px(value)) + 4, words, "vi-2nd vi-end") for value, words in ticks
-    )
-
-
-@lru_cache(256)
-def _below(axes: Axes, ticks: tuple[Tick, ...], drop: float) -> str:
-    return "".join(
-        svg.text(float(axes.x_px(value)), axes.bottom + drop, words, "vi-2nd vi-mid") for value, words in ticks
-    )
 
 
 def spread_heights(heights: Sequence[float], top: float, bottom: float) -> list[float]:
@@ -180,9 +171,8 @@ def angle_ticks(low: float, high: float, spacing: float = 0.0) -> list[Tick]:
     span = high - low
     step = 45 if span > 130 or span == 90 else 30 if span > 45 else 15
     step = next((wider for wider in (step, 90, 180) if wider >= spacing), 180)
-    return [
-        (float(angle), svg.number(angle, 0) + "°") for angle in np.arange(np.ceil(low / step) * step, high + 1e-9, step)
-    ]
+    angles = np.arange(np.ceil(low / step) * step, high + 1e-9, step).tolist()
+    return [(float(angle), svg.number(angle, 0) + "°") for angle in angles]
 
 
 def linear_ticks(low: float, high: float, most: int = 4) -> list[Tick]:
@@ -190,9 +180,8 @@ def linear_ticks(low: float, high: float, most: int = 4) -> list[Tick]:
     power = 10.0 ** np.floor(np.log10((high - low) / most))
     step = next(nice * power for nice in NICE if nice * power * most >= (high - low) * (1 - 1e-9))
     digits = max(0, -int(np.floor(np.log10(step))))
-    return [
-        (float(value), svg.number(value, digits)) for value in np.arange(np.ceil(low / step) * step, high + 1e-9, step)
-    ]
+    values = np.arange(np.ceil(low / step) * step, high + 1e-9, step).tolist()
+    return [(value, svg.number(value, digits)) for value in values]
 
 
 # Experiments' figures
@@ -239,15 +228,13 @@ def style_of(name: str, names: Iterable[str]) -> Style:
 
 def figure(settings: Settings | None, inside: str, extra: str = "", height: float = HEIGHT) -> str:
     """Wrap a drawing in an `<svg>` with a caption of its settings. extra: further words of the caption; height: px."""
-    words = _caption(" · ".join(filter(None, (describe_settings(settings), extra)))) if settings else ""
-    return f'<svg class="vi vi-figure" viewBox="0 0 {WIDTH} {height:g}">{words}{inside}</svg>'
-
-
-def _caption(words: str) -> str:
-    """Draw a caption; long ones are condensed, and very long ones cut off."""
-    words = words if len(words) <= MAX_CAPTION else words[: MAX_CAPTION - 1] + "…"
-    fitted = f' textLength="{WIDTH}" lengthAdjust="spacingAndGlyphs"' if CHARACTER * len(words) > WIDTH else ""
-    return f'<text class="vi-2nd" x="0" y="10"{fitted}>{svg.escape(words)}</text>'
+    caption = ""
+    if settings is not None:  # long captions are condensed, and very long ones cut off
+        words = " · ".join(filter(None, (describe_settings(settings), extra)))
+        words = words if len(words) <= MAX_CAPTION else words[: MAX_CAPTION - 1] + "…"
+        fitted = f' textLength="{WIDTH}" lengthAdjust="spacingAndGlyphs"' if CHARACTER * len(words) > WIDTH else ""
+        caption = f'<text class="vi-2nd" x="0" y="10"{fitted}>{svg.escape(words)}</text>'
+    return f'<svg class="vi vi-figure" viewBox="0 0 {WIDTH} {height:g}">{caption}{inside}</svg>'
 
 
 def describe_settings(settings: Settings) -> str:
@@ -275,5 +262,4 @@ def sentence(words: Sequence[str], x: float, y: float) -> str:
 
 def _squares(places: Floats, size: float) -> str:
     d = f"{2 * size:g}"
-    form = f"M%.1f %.1fm-{size:g}-{size:g}h{d}v{d}h-{d}z"
-    return form * len(places) % tuple(places.ravel().tolist())
+    return svg.filled(f"M%s %sm-{size:g}-{size:g}h{d}v{d}h-{d}z" * len(places), places)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..loop.snapshot import Snapshot
 from ..simulation.scene import Scene
 from . import svg
-from .labels import CHARACTER, Label, Labels, PlacedLabel, Rectangle, beside, places_beside, text_at
+from .labels import CHARACTER, Label, Labels, PlacedLabel, Rectangle, beside, line_rectangles, places_beside, text_at
 from .plots import Axes, angle_ticks
 
 Floats = NDArray[np.float64]
@@ -98,23 +98,20 @@ class PosturePlane:
         left, top, w, h = self.box
         bottom, low, high = top + h, self._low.tolist(), self._high.tolist()
         degrees = lambda angle: svg.number(angle, 0) + "°"
-        return "".join(
-            [
-                self.frame("vi-axis"),
-                svg.text(left, bottom + 12, degrees(low[1]), "vi-2nd"),
-                svg.text(left + w, bottom + 12, degrees(high[1]), "vi-2nd vi-end"),
-                svg.text(left + w / 2, bottom + 12, self._joints[1], "vi-mid"),
-                svg.text(left - 4, top + 9, degrees(high[0]), "vi-2nd vi-end"),
-                svg.text(left - 4, bottom, degrees(low[0]), "vi-2nd vi-end"),
-                svg.text(left - 4, top + h / 2 + 4, self._joints[0], "vi-end"),
-            ]
+        words = (
+            (left, bottom + 12, degrees(low[1]), "vi-2nd"),
+            (left + w, bottom + 12, degrees(high[1]), "vi-2nd vi-end"),
+            (left + w / 2, bottom + 12, self._joints[1], "vi-mid"),
+            (left - 4, top + 9, degrees(high[0]), "vi-2nd vi-end"),
+            (left - 4, bottom, degrees(low[0]), "vi-2nd vi-end"),
+            (left - 4, top + h / 2 + 4, self._joints[0], "vi-end"),
         )
+        return self.frame("vi-axis") + "".join(svg.text(*each) for each in words)
 
-    def axes(self, note: str = "", contours: str = "E in px²", named: bool = True, warns: bool = True) -> str:
+    def axes(self, note: str = "", contours: str = "E in px²", warns: bool = True) -> str:
         """Draw the axes: frame, ticks and names.
 
-        note: words below, at the right; contours: the quantity; named: whether "contours" stands before it; warns:
-        whether the note is more than a detail.
+        note: words below, at the right; contours: the quantity; warns: whether the note is more than a detail.
         """
         left, top, w, h = self.box
         bottom = top + h
@@ -132,13 +129,11 @@ class PosturePlane:
             up.append(y)
             parts.append(svg.text(left - 7, np.clip(y + 4, 10, bottom), words, "vi-2nd vi-end"))
         parts.append(svg.text(left - 8, _widest_gap(up) + 4, self._joints[0], "vi-end"))
-        caption = f"contours: {contours}" if named else contours
-        parts += self._below(bottom, caption, note, across, "" if warns else " vi-detail")
+        parts += self._below(bottom, f"contours: {contours}", note, across, "" if warns else " vi-detail")
         return f'<path class="vi-axis" d="{"".join(ticks)}"/>' + "".join(parts)
 
     def _below(self, bottom: float, contours: str, note: str, numbers: list[float], kind: str) -> list[str]:
-        """Draw the line under the numbers: contours, name of the axis, note. numbers: their px. kind: of the
-        note.
+        """Draw the line under the numbers: contours, name of the axis, note. numbers: their px; kind: of the note.
 
         The name moves sideways, or up between the numbers, if the line has no room in the middle.
         """
@@ -200,7 +195,7 @@ class PathLabels:
                 points = self._plane.place(np.degrees([before, here]))  # it has grown by one motion
             else:
                 self._line = self._plane.labels.copy()
-            self._line.take_line(points, CLEARANCE)
+            self._line.take(*line_rectangles(points, CLEARANCE))
             self._free, self._path = self._place(self._line.copy(), start, here, cursor), path
         own, _ = self._own(self._free, here if theta is None else theta, cursor)
         return "".join([label.drawn for label in self._placed.values()]) + own
@@ -216,11 +211,8 @@ class PathLabels:
         if cursor > 0 and np.abs(now - begun).max() > MIN_DISTANCE:
             x, y = begun.tolist()
             labels = {0: beside(x, y, "start", "vi-2nd vi-halo", 8)} | labels
-        uncovered = {
-            k: one
-            for k, one in self._placed.items()
-            if k in labels and one.place and not any(map(line.covers, one.occupies))
-        }
+        kept_places = {k: one for k, one in self._placed.items() if k in labels and one.place}
+        uncovered = {k: one for k, one in kept_places.items() if not any(map(line.covers, one.occupies))}
         for kept in (uncovered, {}):
             free = line.copy()
             free.take_points(now, NOW + AHEAD)

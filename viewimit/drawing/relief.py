@@ -98,10 +98,8 @@ def level_labels(grid: Grid, E: Floats, bounds: Sequence[float], lowest: Floats)
 
 
 def _level_label(line: Floats, words: str, lowest: Floats, ray: float) -> Label:
-    def draw(place: Rectangle) -> tuple[str, Sequence[Rectangle]]:
-        left, top, right, bottom = place
-        return svg.text((left + right) / 2, (top + bottom) / 2 + 4, words, "vi-2nd vi-halo vi-mid"), ()
-
+    middle = lambda place: ((place[0] + place[2]) / 2, (place[1] + place[3]) / 2 + 4)
+    draw = lambda place: (svg.text(*middle(place), words, "vi-2nd vi-halo vi-mid"), ())
     return Label(_places(line, words, lowest, ray), draw)
 
 

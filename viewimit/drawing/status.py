@@ -108,8 +108,11 @@ def describe(
     if snapshot.awaits_names:
         return _without_names(snapshot, playing)
     if snapshot.transfer is None:
-        return StatusMessage(ServoStatus.TOO_FEW_POINTS, _too_few(snapshot))
-    E, doubt = svg.short_E(snapshot.E), _swapped(snapshot) or _named(snapshot) or _ill_conditioned(snapshot)
+        few = verdict(ServoStatus.TOO_FEW_POINTS).sentence(snapshot.motion, snapshot.E, int(snapshot.usable.sum()))
+        return StatusMessage(ServoStatus.TOO_FEW_POINTS, sentences(few, "They must not lie in a plane."))
+    pairs = ", ".join(f"{i} and {j}" for i, j in snapshot.exchanged)
+    swapped = f"The demonstrator's points {pairs} seem to be mixed up." if pairs else ""
+    E, doubt = svg.short_E(snapshot.E), swapped or _named(snapshot) or _ill_conditioned(snapshot)
     if snapshot.status == ServoStatus.MAX_MOTIONS:
         sentence = verdict(snapshot.status).sentence(snapshot.motion, snapshot.E)
         advice = "Reset to go on." if advises else ""
@@ -152,12 +155,9 @@ def _costs(known: Certificate, joints: Sequence[int]) -> str:
     costly = [k for k in known.unobservable_joints if known.std_per_px[k] >= MAX_STD_PER_PX]
     if not costly:
         return "No picture so far shows how they stand."
-    each = [f"{svg.joint_symbol(joints[k])} by {_angle(known.std_per_px[k])}" for k in costly]
+    angles = [svg.degrees(std, 0) if std < ANY else "any angle" for std in known.std_per_px[costly].tolist()]
+    each = [f"{svg.joint_symbol(joints[k])} by {angle}" for k, angle in zip(costly, angles)]
     return f"1 px of noise would shift {', '.join(each)}."
-
-
-def _angle(rad: float) -> str:
-    return svg.degrees(rad, 0) if rad < ANY else "any angle"
 
 
 def _could_be_off(rad: float) -> str:
@@ -168,17 +168,6 @@ def _could_be_off(rad: float) -> str:
         return "By E alone, it could be anywhere."
     angle = svg.degrees(rad, 0 if rad >= WHOLE else 1)
     return f"By E alone, it could be up to {angle} off."
-
-
-def _too_few(snapshot: Snapshot) -> str:
-    said = verdict(ServoStatus.TOO_FEW_POINTS).sentence(snapshot.motion, snapshot.E, int(snapshot.usable.sum()))
-    return sentences(said, "They must not lie in a plane.")
-
-
-def _swapped(snapshot: Snapshot) -> str:
-    """Say which of the demonstrator's points seem to be swapped; "" for none."""
-    pairs = ", ".join(f"{i} and {j}" for i, j in snapshot.exchanged)
-    return f"The demonstrator's points {pairs} seem to be mixed up." if pairs else ""
 
 
 def _without_names(snapshot: Snapshot, playing: bool) -> StatusMessage:
@@ -269,16 +258,12 @@ def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> float | None:
     """Compute the relative change of E per step over the last steps without probes, since the demonstrator moved; None
     without any, and if E is too small to see."""
     recent = [s for s in previous[-TREND:] if not s.probe and s.E >= svg.UNSEEN_E and s.motion < snapshot.motion]
-    recent = [s for s in recent if not _demonstrator_moved(s, snapshot)]
+    demo = snapshot.views.demo  # kept with its noise while the demonstrator rests
+    recent = [s for s in recent if np.array_equal(s.views.demo, demo, equal_nan=True)]
     if not recent or not snapshot.E >= svg.UNSEEN_E:
         return None
     first = recent[0]
     return (snapshot.E / first.E) ** (1 / (snapshot.motion - first.motion)) - 1
-
-
-def _demonstrator_moved(before: Snapshot, now: Snapshot) -> bool:
-    """Return whether the demonstrator's images have changed. While it rests they are kept, with their noise."""
-    return not np.array_equal(before.views.demo, now.views.demo, equal_nan=True)
 
 
 def _says(snapshot: Snapshot, joints: Sequence[int] = ()) -> str:

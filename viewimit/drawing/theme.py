@@ -62,12 +62,9 @@ def variables(dark: bool) -> str:
 
 def font_faces() -> str:
     """Return CSS rules with embedded fonts: Inter, and Minus, in which a hyphen is a real minus sign."""
-    faces = ("Inter", "font-weight:400 700;font-display:block;"), ("Minus", "unicode-range:U+2D;")
-    rule = '@font-face{{font-family:{0};{1}src:url("{2}") format("woff2")}}'
-    return "".join(rule.format(name, more, _packed(name)) for name, more in faces)
-
-
-def _packed(font: str) -> str:
-    """Return a font's file as a data URL."""
-    data = base64.b64encode((ROOT / "fonts" / f"{font}.woff2").read_bytes()).decode()
-    return f"data:font/woff2;base64,{data}"
+    rules = []
+    for name, more in (("Inter", "font-weight:400 700;font-display:block;"), ("Minus", "unicode-range:U+2D;")):
+        data = base64.b64encode((ROOT / "fonts" / f"{name}.woff2").read_bytes()).decode()
+        url = f'url("data:font/woff2;base64,{data}")'
+        rules.append(f'@font-face{{font-family:{name};{more}src:{url} format("woff2")}}')
+    return "".join(rules)

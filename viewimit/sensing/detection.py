@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
+from ..geometry.components import connected_components
 from .files import MEGABYTE, require_file
 
 SEVERAL = (".tif", ".tiff", ".webp")  # which may hold several pictures
@@ -123,7 +124,7 @@ def read_pictures(path: Path) -> Iterator[Picture]:
 
     require_file(path, MAX_BYTES)
     if path.suffix.lower() in PICTURES:
-        _require_size(path)
+        _require_pixels(path, *_picture_size(path))
         pages = max(cv2.imcount(str(path), cv2.IMREAD_COLOR), 1) if path.suffix.lower() in SEVERAL else 1
         for page in range(pages):
             read_all, found = cv2.imreadmulti(str(path), page, 1, flags=cv2.IMREAD_COLOR) if pages > 1 else (True, ())
@@ -150,18 +151,17 @@ def frame_rate(path: Path) -> float | None:
     return rate if 0 < rate < np.inf else None
 
 
-def _require_size(path: Path) -> None:
-    """Raise ValueError for a picture that is too large, before it is decompressed."""
+def _picture_size(path: Path) -> tuple[int, int]:
+    """Width and height of a picture, before it is decompressed. Raises ValueError."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # Pillow has a bound of its own
             with Image.open(path) as picture:
-                size = picture.size
+                return picture.size
     except Image.DecompressionBombError:
         raise ValueError(f"{path}: a picture of more than {MAX_PIXELS / 1e6:g} megapixels: make it smaller") from None
     except (OSError, ValueError, SyntaxError, TypeError, struct.error):
         raise ValueError(f"{path}: not a picture that OpenCV reads") from None
-    _require_pixels(path, *size)
 
 
 def _require_pixels(path: Path, width: int, height: int) -> None:
@@ -178,13 +178,13 @@ def _coloured_part(picture: Picture, middle: float) -> tuple[tuple[int, int], tu
     red, green, blue = np.moveaxis(searched, -1, 0)
     spread = np.maximum(np.maximum(red, green), blue) - np.minimum(np.minimum(red, green), blue)
     coloured = spread >= MIN_CHROMA / 2
-    rows, columns = (_box(coloured.any(axis)) for axis in (1, 0))
+    rows, columns = (hit_range(coloured.any(axis)) for axis in (1, 0))
     red, green, blue = np.moveaxis(searched[rows, columns].astype(np.float32), -1, 0)
     return (first + columns.start, rows.start), (red - (green + blue) / 2, np.sqrt(0.75) * (green - blue))
 
 
-def _box(hit: NDArray[np.bool_]) -> slice:
-    """From the first to the last that is hit; empty if none is."""
+def hit_range(hit: NDArray[np.bool_]) -> slice:
+    """Return where the first to the last are that are hit; empty if none is."""
     where = np.flatnonzero(hit)
     return slice(int(where[0]), int(where[-1]) + 1) if len(where) else slice(0, 0)
 
@@ -193,7 +193,7 @@ def _blobs(which: NDArray[np.int_]) -> Iterator[tuple[int, tuple[slice, slice], 
     """Find connected pixels of one number, neighbours at corners included; negative ones belong to no blob.
 
     Yields the number, the bounding box, and which of its pixels belong to the blob. Runs of pixels in a row are joined
-    with the runs that they touch in the next row, until all that are connected have the lowest label among them.
+    with the runs that they touch in the next row.
     """
     width = which.shape[1] + 2
     flat = np.pad(which, 1, constant_values=-1).ravel()  # no run goes on in the next row
@@ -203,14 +203,7 @@ def _blobs(which: NDArray[np.int_]) -> Iterator[tuple[int, tuple[slice, slice], 
     for below in (width - 1, width, width + 1):
         upper = pixel[flat[pixel] == flat[pixel + below]]
         touching.append(np.stack([run[upper], run[upper + below]]))
-    label, (one, other) = np.arange(run[-1] + 1), np.concatenate(touching, 1)
-    while (label[one] != label[other]).any():
-        lowest = np.minimum(label[one], label[other])
-        for ends in (label[one], label[other]):
-            np.minimum.at(label, ends, lowest)
-        while (label[label] != label).any():
-            label = label[label]
-    owner = label[run[pixel]]
+    owner = connected_components(run[-1] + 1, *np.concatenate(touching, 1))[run[pixel]]
     order = np.argsort(owner, kind="stable")
     owner, (row, column) = owner[order], np.divmod(pixel[order], width) - np.ones((2, 1), int)
     for begin, end in pairwise([*np.flatnonzero(np.diff(owner, prepend=-1)), len(owner)]):
@@ -228,10 +221,7 @@ def _marker_by_hue(hue_deg: Floats) -> NDArray[np.int_]:
     separation = np.abs((hue_deg[:, None] - hue_deg + 180) % 360 - 180)
     np.fill_diagonal(separation, 180.0)
     nearest = difference.argmin(-1)
-    close = (
-        np.take_along_axis(difference, nearest[..., None], -1)[..., 0] <= MAX_HUE_FRACTION * separation.min(-1)[nearest]
-    )
-    return np.where(close, nearest, -1)
+    return np.where(difference.min(-1) <= MAX_HUE_FRACTION * separation.min(-1)[nearest], nearest, -1)
 
 
 def _disc(chroma: Floats) -> tuple[Floats, float, float]:

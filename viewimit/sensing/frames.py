@@ -57,7 +57,12 @@ def estimate_latency(before: tuple[Points, Visible], look: Look, noise_px: float
     up to MAX_LATENCY_LOOKS, in the same form; noise_px: standard deviation of a coordinate.
     """
     least = MOVED_PX * image_unit(before[0][before[1].all(-1)]) + MOVED_SIGMA * noise_px
-    return next((k for k in range(MAX_LATENCY_LOOKS + 1) if _median_shift(before, look(k)) > least), None)
+    for k in range(MAX_LATENCY_LOOKS + 1):
+        points, visible = look(k)
+        both = (before[1] & visible).all(-1)
+        if both.any() and np.median(np.abs(points - before[0])[both].max(-1)) > least:
+            return k
+    return None
 
 
 def is_missing_value(image: Points) -> Visible:
@@ -71,12 +76,6 @@ def is_far_outlier(image: Points) -> Visible:
     distance = np.linalg.norm(image - np.median(image, 0), axis=-1)
     half = np.median(distance)
     return np.asarray((distance > FAR_OUTLIER * half) & (half > 0))
-
-
-def _median_shift(before: tuple[Points, Visible], after: tuple[Points, Visible]) -> float:
-    """Median displacement of the points visible in both [px]."""
-    both = (before[1] & after[1]).all(-1)
-    return float(np.median(np.abs(after[0] - before[0])[both].max(-1))) if both.any() else 0.0
 
 
 def _median(points: Points, shown: Visible) -> Points:

@@ -2,12 +2,8 @@
 
 A pixel has `samples` samples per axis. Sample (i, j) lies at ((j + 0.5) / samples, (i + 0.5) / samples) px. Each holds
 one 64-bit integer, the inverse depth above the colour. The bits of positive floats order as their values do, so
-`numpy.maximum.at` keeps the nearest of all surfaces that cover a sample, with its colour.
-
-Other renderers were weighed. MuJoCo, pyrender and VTK draw with OpenGL, which a machine without a display has only
-with further system packages. OpenCV's filled polygons include their outlines, which enlarges each by half a sample, and
-sorting them by depth fails where links interlock. PyBullet draws the same pictures, but has wheels for two Pythons on
-Linux only.
+`numpy.maximum.at` keeps the nearest of all surfaces that cover a sample, with its colour. Other renderers need OpenGL,
+which a machine without a display lacks, or wheels that most Pythons do not have.
 """
 
 from dataclasses import dataclass

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.views import VIEWS
-from ..sensing.detection import Detections, detect, reject_partly_hidden
+from ..sensing.detection import Detections, detect, hit_range, reject_partly_hidden
 from .camera import Camera
 from .depth_buffer import DepthBuffer, Triangles, illumination
 from .meshes import Mesh
@@ -24,7 +24,6 @@ FLOOR_GREY, WALL_GREY, PEDESTAL_GREY, SKY_GREY = 0.55, 0.8, 0.4, 1.0
 ARM_GREY, STEM_GREY = 0.75, 0.5
 STEM_RADIUS_M, STEM_SIDES = 0.003, 12
 SEARCHED_WIDTH = 0.56  # fraction of a picture's width: the head turns to the body that it watches
-MAX_FACE_DEPTH = 1.2  # from a ball's centre to the nearest visible surface, in radii
 NOISE_PX = 0.08  # standard deviation of a coordinate, as studies/detection.py measures it
 
 Floats = NDArray[np.float64]
@@ -52,20 +51,16 @@ class Studio:
             layer = self._room.seen_by(camera)
             self._empty[key] = layer, _mean(layer[1])
         (behind, room), empty = self._empty[key]
-        buffer = self._arms(camera, theta_demo, theta_own)
+        buffer = self.arms(camera, theta_demo, theta_own)
         nearer, arms, picture = buffer.inverse_depth > behind, buffer.colours, empty.copy()
         if nearer.any():  # elsewhere the picture is that of the empty room
-            rows, columns = (_pixel_range(np.asarray(nearer.any(axis))) for axis in (1, 0))
+            rows, columns = (hit_range(np.any(np.reshape(nearer.any(axis), (-1, SAMPLES)), 1)) for axis in (1, 0))
             part = tuple(slice(SAMPLES * pixels.start, SAMPLES * pixels.stop) for pixels in (rows, columns))
             picture[rows, columns] = _mean(np.where(nearer[part], arms[part], room[part]))
         return picture
 
-    def depth_m(self, camera: Camera, theta_demo: Floats, theta_own: Floats) -> Floats:
-        """Return the depth of the arms without the room, (SAMPLES height, SAMPLES width) m, inf beside them."""
-        with np.errstate(divide="ignore"):
-            return 1 / self._arms(camera, theta_demo, theta_own).inverse_depth.astype(float)
-
-    def _arms(self, camera: Camera, theta_demo: Floats, theta_own: Floats) -> DepthBuffer:
+    def arms(self, camera: Camera, theta_demo: Floats, theta_own: Floats) -> DepthBuffer:
+        """Draw both arms without the room, as `picture`."""
         buffer, world = DepthBuffer(camera, SAMPLES), self._world
         for theta, T_world_base in ((theta_demo, world.T_world_demo), (theta_own, world.T_world_own)):
             frames = world.link_frames(theta, T_world_base)
@@ -169,12 +164,6 @@ def _mean(samples: Colours) -> Picture:
     return (total // SAMPLES**2).astype(np.uint8)
 
 
-def _pixel_range(hit: NDArray[np.bool_]) -> slice:
-    """Pixels from the first to the last whose samples are hit: (SAMPLES n,) bool -> slice."""
-    where = np.flatnonzero(hit)
-    return slice(int(where[0]) // SAMPLES, int(where[-1]) // SAMPLES + 1)
-
-
 class RenderedEyes(SimulatedEyes):
     """Detects marked points in rendered pictures.
 
@@ -187,8 +176,8 @@ class RenderedEyes(SimulatedEyes):
     def __init__(self, scene: Scene):
         self.markers = load_markers(scene.robot)
         self.world = World(scene, body=self.markers.body)
-        self._studio = Studio(self.world, self.markers)
-        self._cameras: dict[str, Camera] = dict(zip(VIEWS, (*self.world.demo_cameras, *self.world.own_cameras)))
+        self.studio = Studio(self.world, self.markers)
+        self.cameras: dict[str, Camera] = dict(zip(VIEWS, (*self.world.demo_cameras, *self.world.own_cameras)))
         rest = np.radians(scene.posture_deg)[scene.moving]
         self.rest = {"lr": rest, "LR": rest}
         self.theta = dict(self.rest)
@@ -203,7 +192,7 @@ class RenderedEyes(SimulatedEyes):
 
     def look(self, view: str) -> Picture:
         """Render one view, detect its markers, and return the picture."""
-        self.pictures[view] = self._studio.picture(self._cameras[view], self.theta["lr"], self.theta["LR"])
+        self.pictures[view] = self.studio.picture(self.cameras[view], self.theta["lr"], self.theta["LR"])
         self.detections[view] = detect(self.pictures[view], self.markers.hue_deg, SEARCHED_WIDTH)
         return self.pictures[view]
 
@@ -213,22 +202,6 @@ class RenderedEyes(SimulatedEyes):
             self.look(view)
         both = reject_partly_hidden(*(self.detections[view] for view in pair))
         self.detections.update(zip(pair, both))
-
-    def truth(self, view: str) -> tuple[Floats, Visible]:
-        """Return the true image of each ball, (N, 2) px, and whether the centre of its face is visible, (N,).
-
-        Visibility is decided by the renderer's depth. For benchmarks and tests.
-        """
-        pair = "lr" if view in "lr" else "LR"
-        base = self.world.T_world_demo if pair == "lr" else self.world.T_world_own
-        camera = self._cameras[view]
-        points = self.world.points_world(self.theta[pair], base)
-        image, inside = camera.project(points.T)
-        surface = self._studio.depth_m(camera, self.theta["lr"], self.theta["LR"])
-        last = np.array(surface.shape) - 1
-        row, column = np.clip((SAMPLES * image[::-1]).astype(int), 0, last[:, None])
-        depth = (points - camera.T_world_camera[:3, 3]) @ camera.T_world_camera[:3, 2]
-        return image.T, inside & (np.abs(surface[row, column] - depth) < MAX_FACE_DEPTH * self.markers.radius)
 
     def _images(self, pair: str, theta: Angles) -> tuple[Floats, Visible]:
         """Images at one posture after another, for m arrays broadcast against each other."""

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.views import VIEWS
-from ..geometry.rigid import rotation_about_axis
+from ..geometry.rigid import look_rotation, rotation_about_axis
 from .appearance import extreme_vertices
 from .camera import Camera
 from .robot import link_meshes
@@ -227,18 +227,13 @@ def octahedron(size: float) -> Mesh:
 def turned(profile: list[tuple[float, float]], sides: int = 32) -> Mesh:
     """Return a solid of revolution about z with sharp edges. profile: (radius, z) m from the bottom up."""
     angles = np.linspace(0, 2 * np.pi, sides, endpoint=False)
-    circle = np.stack([np.cos(angles), np.sin(angles)], -1)
-    vertices: list[Floats] = []
-    faces: list[Floats] = []
-    for (r0, z0), (r1, z1) in zip(profile, profile[1:]):
-        first = sum(len(ring) for ring in vertices)
-        for r, z in ((r0, z0), (r1, z1)):
-            vertices.append(np.column_stack([circle * r, np.full(sides, z)]))
-        i, j = np.arange(sides), (np.arange(sides) + 1) % sides
-        lower, upper = first + i, first + sides + i
-        faces.append(np.column_stack([lower, first + j, upper]))
-        faces.append(np.column_stack([first + j, first + sides + j, upper]))
-    return np.concatenate(vertices).astype(np.float32), np.concatenate(faces).astype(np.uint32)
+    circle = np.stack([np.cos(angles), np.sin(angles), np.ones(sides)], -1)
+    rings = np.repeat(np.array(profile), 2, 0)[1:-1]  # lower and upper edge of each band
+    vertices = circle * rings[:, None, [0, 0, 1]]
+    i, j = np.arange(sides), (np.arange(sides) + 1) % sides
+    band = np.concatenate([np.column_stack([i, j, sides + i]), np.column_stack([j, sides + j, sides + i])])
+    faces = 2 * sides * np.arange(len(profile) - 1)[:, None, None] + band
+    return vertices.reshape(-1, 3).astype(np.float32), faces.reshape(-1, 3).astype(np.uint32)
 
 
 def pedestal(height: float) -> Mesh:
@@ -268,10 +263,8 @@ def box(size: tuple[float, float, float]) -> Mesh:
 
 def default_view() -> Floats:
     """Return R_world_camera, (3, 3), of the default view: right, down, forward in columns."""
-    forward = -np.array([np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)])
-    right = np.cross(forward, [0, 0, 1.0])
-    right /= np.linalg.norm(right)
-    return np.stack([right, np.cross(forward, right), forward], axis=-1)
+    level = np.cos(ELEVATION)
+    return look_rotation([-level * np.cos(AZIMUTH), -level * np.sin(AZIMUTH), -np.sin(ELEVATION)])
 
 
 def fit_view(points: Floats, aspect: float, below: float) -> tuple[Floats, Floats]:
@@ -284,18 +277,14 @@ def fit_view(points: Floats, aspect: float, below: float) -> tuple[Floats, Float
     up, backward = -down, -forward
     tan = np.tan(FOV / 2)
     x, y, z = points @ right, points @ up, points @ backward
-    eye = []
-    for coordinate, low_slope, high_slope in (
-        (x, tan * aspect * MARGIN, tan * aspect * MARGIN),
-        (y, tan * (1 - 2 * below) * MARGIN, tan * MARGIN),
-    ):
-        high, low = np.max(coordinate + high_slope * z), np.min(coordinate - low_slope * z)
-        distance = (high - low) / (high_slope + low_slope)
-        eye.append((distance, high_slope, low_slope, high, low))
-    distance = max(eye[0][0], eye[1][0])
-    centres = []  # where the other direction decides the distance, centre in the room that is left
-    for _, high_slope, low_slope, high, low in eye:
-        centres.append((high - high_slope * distance + low + low_slope * distance) / 2)
-    position = centres[0] * right + centres[1] * up + distance * backward
+    low_slopes = tan * aspect * MARGIN, tan * (1 - 2 * below) * MARGIN
+    high_slopes = tan * aspect * MARGIN, tan * MARGIN
+    bounds = []
+    for along, low_slope, high_slope in zip((x, y), low_slopes, high_slopes):
+        bounds.append((np.max(along + high_slope * z), high_slope, np.min(along - low_slope * z), low_slope))
+    distance = max((high - low) / (high_slope + low_slope) for high, high_slope, low, low_slope in bounds)
+    # where the other direction decides the distance, centre in the room that is left
+    across, upwards = ((high - up_ * distance + low + down_ * distance) / 2 for high, up_, low, down_ in bounds)
+    position = across * right + upwards * up + distance * backward
     depth = distance - np.mean(z)
     return position, position - depth * backward

@@ -1,7 +1,5 @@
 """A circle of the demonstrator's hand, imitated by a transfer that was frozen: where the postures agree, and too early.
-
-The hand is the origin of the last link. It wears no mark, but a transfer maps any point that [l] and [r] can show.
-"""
+The hand is the origin of the last link. It wears no mark, but a transfer maps any point that [l] and [r] can show."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -56,18 +54,13 @@ class Followed:
         return 2 * np.linalg.svd(hand - hand.mean(0), compute_uv=False) * np.sqrt(2 / len(hand))
 
     @property
-    def offset_m(self) -> float:
-        """Distance of the middles of both hands' paths."""
-        return float(np.linalg.norm(self.side[:, -1].mean(0) - self.demo_side[:, -1].mean(0)))
-
-    @property
     def draws(self) -> str:
         """What the hand draws, of DRAWS."""
         away = np.linalg.norm(self.side[:, -1] - self.demo_side[:, -1], axis=1)
         if away.max() < SAME_SHARE * self.radius_m:
             return DRAWS[0]
-        long, broad = self.loop_m
-        return DRAWS[1] if broad > LOOP_SHARE * long and self.offset_m > self.radius_m else DRAWS[2]
+        (long, broad), between = self.loop_m, self.side[:, -1].mean(0) - self.demo_side[:, -1].mean(0)
+        return DRAWS[1] if broad > LOOP_SHARE * long and np.linalg.norm(between) > self.radius_m else DRAWS[2]
 
 
 @dataclass(frozen=True, eq=False)

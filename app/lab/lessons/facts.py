@@ -13,13 +13,12 @@ from typing import Any
 import numpy as np
 
 from viewimit.analysis.landscape import conflict_at, seen_from
-from viewimit.analysis.observability import residual_jacobian, unobservable_joints
+from viewimit.analysis.observability import unobservable_joints
 from viewimit.drawing import svg
-from viewimit.estimation.views import FourViews
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
 
-from . import circle, records, samples, sign
+from . import circle, records, sign
 from .circle import Followed
 from .situation import Situation
 
@@ -64,9 +63,6 @@ def compute(
     return facts, {name: RECORDS[name](situation) for name in RECORDS if name in names}
 
 
-# Facts of one step each
-
-
 def share(value: float) -> str:
     """Write a share of one as a fraction: "a tenth", "a 48th"; as a multiple above two thirds."""
     whole = round(1 / value)
@@ -109,22 +105,10 @@ def _cloud_direction(situation: Situation) -> float:
     spread, directions = np.linalg.eigh(np.cov(one.T))
     if np.sqrt(spread[-1] / spread[0]) < ROUND_RATIO:
         return 3.0
-    flattest = _hessian_directions(situation)[:, 0]
+    J = records.jacobian(situation, True)
+    flattest = np.linalg.eigh(J.T @ J)[1][:, 0]  # of the curvature of E
     angle = np.degrees(np.arccos(min(abs(float(directions[:, -1] @ flattest)), 1.0)))
     return 1.0 if angle < ALONG_DEG else 2.0 if angle > 90 - ALONG_DEG else 3.0
-
-
-def _hessian_directions(situation: Situation) -> records.Array:
-    """Eigenvectors of the curvature of E at the demonstrator's posture as columns, the flattest first."""
-    world, start = situation.world, situation.start
-    demo, _ = world.demo_images(start.theta_demo)
-
-    def at(postures: records.Array) -> records.Array:
-        views = FourViews(demo, world.own_images(postures.T)[0], np.ones(1, bool))
-        return start.fit(views).residual(views)
-
-    J = residual_jacobian(at, start.theta_demo)
-    return np.linalg.eigh(J.T @ J)[1]
 
 
 def _scatter(frames: int, joint: int) -> Callable[[Situation], float]:
@@ -160,8 +144,8 @@ def _followed(of: Callable[[Followed], float], which: str) -> Callable[[Situatio
 
 
 def _median_motions(servo: str) -> Callable[[Situation], float]:
-    motions = lambda one: records.motions_to(records.run(one, servo), samples.RACE_GOAL)
-    return lambda situation: float(np.median(list(map(motions, samples.race_starts(situation)))))
+    motions = lambda one: records.motions_to(records.run(one, servo), records.RACE_GOAL)
+    return lambda situation: float(np.median(list(map(motions, records.race_starts(situation)))))
 
 
 def widest_deg(situation: Situation, below: float) -> float:
@@ -242,7 +226,7 @@ FACTS: Mapping[str, Fact] = {
     # jacobian
     "median steps of the gradient law": Fact(_median_motions("gradient-retuned"), missing="never", write="{:g}".format),
     "median steps of Broyden": Fact(_median_motions("broyden"), missing="never", write="{:g}".format),
-    "starts of the race": Fact(lambda situation: float(samples.RACE_STARTS), "", 0),
+    "starts of the race": Fact(lambda situation: float(records.RACE_STARTS), "", 0),
     # the eight questions
     "open with five points": Fact(_open(5), "°", 0),
     "open with ten points": Fact(_open(10), "°", 0),

@@ -1,7 +1,5 @@
-"""The format of a lesson file: an ordered list of steps, each of which asks before it reveals.
-
-`msgspec` checks names and types; checks.py checks the rest.
-"""
+"""The format of a lesson file: an ordered list of steps, each of which asks before it reveals. `msgspec` checks names
+and types; checks.py checks the rest."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
-"""Records of steps that compare postures: runs of servos, maps of E, minima, clouds of estimates, places in a room.
+"""Records of steps that compare postures: runs of servos, maps of E, minima, clouds of estimates, places in a room. All
+is computed from a step's situation, and kept for equal situations. `plain` makes data for JSON of it."""
 
-All is computed from a step's situation, and kept for equal situations. `plain` makes data for JSON of it.
-"""
-
+import dataclasses
 from collections.abc import Mapping
 from functools import cache
 from statistics import NormalDist
@@ -30,6 +29,12 @@ DISTANCES = (1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 17.0, 30.0)  # times the distance of
 RUNS, FRAMES = 300, (1, 25)  # estimates in a cloud, and images that are averaged for each
 PAIRS, PAIR_SEED, MIN_DIFFERENCE_DEG = 356, 3, 20.0  # of random postures; largest difference of their joints
 MORE_POINTS = 20  # layout of the scene that is compared with its layout of ten
+# Demonstrator postures off the middle of the sliders, with one minimum of E, which is below LEAST_E: ranges of both
+# joints, degrees.
+REGIONS = (((10, 25), (-160, -120)), ((65, 80), (-160, -110)), ((65, 80), (-70, -60)))
+MAX_TRIED = 200  # postures that are tried for each sample
+LEAST_E, START_DIFFERENCE_DEG = 2.0, 20.0  # px²; of start and demonstrator, in each joint
+RACE_STARTS, RACE_SEED, RACE_GOAL = 16, 5, 3.0  # random starts over which servos are compared; px²
 
 
 def plain(values: ArrayLike, digits: int = 4) -> Any:
@@ -43,9 +48,6 @@ def plain(values: ArrayLike, digits: int = 4) -> Any:
 def degrees_off(theta: Array, truth: Array) -> float:
     """Degrees between two postures, of the joint that is farthest off."""
     return float(np.degrees(np.abs(theta - truth).max()))
-
-
-# Runs of servos
 
 
 @cache
@@ -94,9 +96,6 @@ def races(situation: Situation) -> dict[str, Any]:
     return {servo: run_record(run(situation, servo)) for servo in situation.race if servo not in BROWSER_SERVOS}
 
 
-# Maps of E and their minima
-
-
 @cache
 def landscape(situation: Situation, step_deg: float = MAP_STEP_DEG, transfer: str | None = None) -> Landscape:
     """Compute E over both joints, for the demonstrator in the images at the start."""
@@ -130,9 +129,6 @@ def biases(situation: Situation) -> dict[str, Any]:
     }
 
 
-# Noise
-
-
 @cache
 def clouds(situation: Situation) -> Mapping[int, Array]:
     """Draw postures in which E is smallest under noise, (RUNS, 2) rad, by the number of images that are averaged."""
@@ -161,19 +157,21 @@ def costs(situation: Situation) -> Array:
 def shown_px(situation: Situation, joint: int, by_arrows: bool) -> float:
     """How far a degree of a joint moves the arrows, or the own images, at the demonstrator's posture: px, root mean
     square over points and images."""
+    J = np.radians(1) * jacobian(situation, by_arrows)[:, joint]
+    return float(np.sqrt(2 * np.mean(J**2)))
+
+
+def jacobian(situation: Situation, of_arrows: bool) -> Array:
+    """Of the arrows, or of the own images, by the joints at the demonstrator's posture."""
     world, start = situation.world, situation.start
     demo, _ = world.demo_images(start.theta_demo)
 
     def at(postures: Array) -> Array:
         own, _ = world.own_images(postures.T)
         views = FourViews(demo, own, np.ones(1, bool))
-        return start.fit(views).residual(views) if by_arrows else own
+        return start.fit(views).residual(views) if of_arrows else own
 
-    J = np.radians(1) * residual_jacobian(at, start.theta_demo)[:, joint]
-    return float(np.sqrt(2 * np.mean(J**2)))
-
-
-# The conflict
+    return residual_jacobian(at, start.theta_demo)
 
 
 def signpost_cosine(views: FourViews, recovered: Array, goal: Array) -> float:
@@ -195,9 +193,6 @@ def signposts(situation: Situation) -> Array:
             transfer = situation.start.fit(views)
             found.append(signpost_cosine(views, transfer.recover(views.demo_left, views.demo_right), alike.own))
     return np.array(found)
-
-
-# Swapped points, and eyes turned inwards
 
 
 def true_pairs(situation: Situation) -> Pairs:
@@ -223,3 +218,48 @@ def rectification_record(situation: Situation) -> dict[str, Any]:
     if found is None:
         raise ValueError("these images ask for no rectification")
     return {"left": plain(found.left.ravel(), 8), "right": plain(found.right.ravel(), 8)}
+
+
+# Postures that are sampled, with seeds that are passed in; and starts over which servos are compared
+
+
+def sample_postures(situation: Situation, count: int, seed: int) -> list[Situation]:
+    """Sample `count` postures of both arms from which E can be brought below the situation's goal, if it has one, and
+    whose start is far from it. Raises ValueError if too few are found, as for a goal that hardly any start is far
+    from."""
+    found: list[Situation] = []
+    rng = np.random.default_rng(seed)
+    tried = 0
+    low, high = np.array(situation.scene.range_deg, float).T
+    while len(found) < count:
+        tried += 1
+        if tried > MAX_TRIED * count:
+            raise ValueError(
+                f"of {tried - 1} random postures only {len(found)} begin far above the goal and have one minimum: "
+                "choose another goal, or no `randomise`"
+            )
+        region = np.array(REGIONS[len(found) % len(REGIONS)], float)
+        demo = rng.uniform(*region.T).round()
+        start = rng.uniform(low, high).round()
+        if np.abs(start - demo).min() < START_DIFFERENCE_DEG:
+            continue
+        sample = situation.with_settings(demonstrator_deg=tuple(demo), start_deg=tuple(start))
+        if is_fair(sample):
+            found.append(sample)
+    return found
+
+
+def race_starts(situation: Situation) -> list[Situation]:
+    """Sample the starts over which servos are compared."""
+    return sample_postures(dataclasses.replace(situation, goal=RACE_GOAL, race=()), RACE_STARTS, RACE_SEED)
+
+
+def is_fair(situation: Situation) -> bool:
+    """Whether E has one minimum, below LEAST_E, and is above the goal at the start and in the middle of the ranges."""
+    found = landscape(situation)
+    goal = LEAST_E if situation.goal is None else situation.goal
+    middle = found.E[len(found.axes[0]) // 2, len(found.axes[1]) // 2]
+    above = situation.start.E > 4 * goal and middle > goal
+    return bool(
+        above and situation.start.usable.all() and len(found.local_minima()) == 1 and np.nanmin(found.E) < LEAST_E
+    )

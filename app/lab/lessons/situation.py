@@ -1,7 +1,5 @@
-"""The state that a step of a lesson shows: scene, world, and the images at its start.
-
-Scenes are those of the step's settings, with other fields where the step gives some, or with the eyes moved.
-"""
+"""The state that a step of a lesson shows: scene, world, and the images at its start. Scenes are those of the step's
+settings, with other fields where the step gives some, or with the eyes moved."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -15,8 +13,8 @@ import numpy as np
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
-from viewimit.simulation.eyes import SimulatedEyes, open_eyes
-from viewimit.simulation.scene import Eye, Head, Scene, extended, load_scene
+from viewimit.simulation.eyes import open_eyes
+from viewimit.simulation.scene import Head, Scene, extended, load_scene
 from viewimit.simulation.world import World
 
 replace = msgspec.structs.replace
@@ -62,10 +60,7 @@ class Situation:
 
     def session(self, **fields: Any) -> Session:
         """Begin a session in the scene, with some of the settings changed."""
-
-        def opener(sensor: str, scene: Scene, points: int) -> SimulatedEyes:
-            return open_eyes(sensor, self.scene, points)
-
+        opener = lambda sensor, scene, points: open_eyes(sensor, self.scene, points)
         return Session(replace(self.settings, **fields), open_eyes=opener)
 
     @cached_property
@@ -120,7 +115,5 @@ def _spread_px(scene: Scene) -> float:
 
 
 def _zoomed(head: Head, by: float) -> Head:
-    def eye(one: Eye) -> Eye:
-        return one if one.focal is None else replace(one, focal=(by * one.focal[0], by * one.focal[1]))
-
+    eye = lambda one: one if one.focal is None else replace(one, focal=(by * one.focal[0], by * one.focal[1]))
     return replace(head, focal=by * head.focal, left=eye(head.left), right=eye(head.right))

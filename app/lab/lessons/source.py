@@ -1,7 +1,5 @@
-"""Lessons from their files: the shipped ones in their order, or those of a lecturer.
-
-A file is checked whole when it is read. An error names the file, the line and the field.
-"""
+"""Lessons from their files: the shipped ones in their order, or those of a lecturer. A file is checked whole when it is
+read. An error names the file, the line and the field."""
 
 import math
 import re
@@ -16,7 +14,7 @@ import msgspec
 from viewimit.assets import ROOT
 
 from .checks import Faults, faults, faults_in_scenes, faults_of_questions
-from .format import Lesson, Questions
+from .format import Lesson, Questions, Step
 
 FOLDER = ROOT / "lessons"
 ORDER = ("ray", "tour", "limits", "jacobian", "motion", "sign")
@@ -93,9 +91,7 @@ def _read(path: Path, kind: type[T], check: Callable[[T], Faults]) -> T:
 def _with_names(what: str, kind: type, where: str) -> str:
     """Add the fields that exist to a message about an unknown one, and the kinds to one about an unknown kind."""
     if "unknown field" in what and kind is Lesson:
-        from . import format as fields
-
-        table = fields.Lesson if not where.startswith(".step") else fields.Step
+        table = Step if where.startswith(".step") else Lesson
         if re.fullmatch(r"(\.step\[[\d.]*\])?`?", where):
             return f"{what}; there are {', '.join(table.__struct_fields__)}"
     if "Invalid value" in what and where.rstrip("`").endswith(".ask.kind"):
@@ -121,12 +117,10 @@ def _not_finite(value: Any, where: str = "") -> Iterator[str]:
     """Yield the fields of numbers that are not finite."""
     if isinstance(value, float) and not math.isfinite(value):
         yield where
-    elif isinstance(value, dict):
-        for name, inner in value.items():
-            yield from _not_finite(inner, f"{where}.{name}")
-    elif isinstance(value, list):
-        for k, inner in enumerate(value):
-            yield from _not_finite(inner, f"{where}[{k}]")
+    inside = {f".{name}": inner for name, inner in value.items()} if isinstance(value, dict) else {}
+    inside |= {f"[{k}]": inner for k, inner in enumerate(value)} if isinstance(value, list) else {}
+    for place, inner in inside.items():
+        yield from _not_finite(inner, where + place)
 
 
 def _located(path: Path, text: str, where: str, what: str) -> str:

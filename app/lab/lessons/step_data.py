@@ -1,8 +1,6 @@
-"""What the library computes for a step: state, facts, records, moved eyes and samples.
-
-Those of the shipped lessons are in assets/lessons/data.json, which assets/build_lessons.py writes, by a digest of what
-they are computed from. Those of other lessons are computed when a page is written.
-"""
+"""What the library computes for a step: state, facts, records, moved eyes and samples. Those of the shipped lessons are
+in assets/lessons/data.json, which assets/build_lessons.py writes, by a digest of what they are computed from. Those of
+other lessons are computed when a page is written."""
 
 import hashlib
 import json
@@ -19,9 +17,10 @@ import viewimit
 
 from ..engine_scene import engine_scene
 from ..page import with_few_points
+from ..recording import described
 from . import facts
 from .format import Do, Item, Lesson, Slider, Step, figures_of, measures_in, measures_of, settings_of
-from .samples import sample_postures
+from .records import sample_postures
 from .situation import Situation
 
 DATA = ROOT / "lessons" / "data.json"
@@ -130,8 +129,7 @@ def _of_situation(step: Step, situation: Situation, scenes: Scenes) -> dict[str,
     settings, start = situation.settings, situation.start
     state = {
         "scene": _add_scene(situation, scenes),
-        **{name: getattr(settings, name) for name in ("points", "transfer", "servo", "missing", "seed")},
-        "noisePx": settings.noise_px,
+        **described(settings),
         "demonstrator": start.theta_demo.tolist(),
         "start": start.theta.tolist(),
     }

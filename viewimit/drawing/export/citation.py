@@ -44,11 +44,8 @@ def cite(session: Session, motion: int | None = None) -> Citation:
 def cite_both(one: Session, other: Session) -> Citation:
     """Cite two sessions side by side, each at its present motion, with the conditions of the first."""
     first, second = (cite(each, each.snapshot.motion) for each in (one, other))
-    command = python = None
-    if first.command and second.command:
-        command = f"{first.command} ; {second.command}"
-    if first.python and second.python:
-        python = f"{first.python}\n\n{second.python}"
+    command = f"{first.command} ; {second.command}" if first.command and second.command else None
+    python = f"{first.python}\n\n{second.python}" if first.python and second.python else None
     return Citation(f"{first.title} against {second.title}", first.conditions, SOFTWARE, command, python)
 
 

@@ -46,18 +46,15 @@ class Appearance:
         if not self._windows or moment.motion == 0 < self._motion:
             self._fit(shown, bodies)
         elif not holds(self._windows, shown):
-            self._fit({view: np.concatenate([self._shown[view], _widened(shown[view])]) for view in shown}, bodies)
+            # stretched about its middle, so that a slow motion does not widen the windows at every step
+            middles = {view: (points.min(0) + points.max(0)) / 2 for view, points in shown.items()}
+            wider = {view: middles[view] + WIDER * (points - middles[view]) for view, points in shown.items()}
+            self._fit({view: np.concatenate([self._shown[view], wider[view]]) for view in shown}, bodies)
         self._motion = moment.motion
         return bodies, self._windows
 
     def _fit(self, shown: dict[str, Floats], bodies: Bodies) -> None:
         self._shown, self._windows = shown, image_windows(shown, bodies.frame)
-
-
-def _widened(points: Floats) -> Floats:
-    """Return (k, 2) px stretched about their middle, so that a slow motion does not widen the windows at every step."""
-    middle = (points.min(0) + points.max(0)) / 2
-    return middle + WIDER * (points - middle)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +92,7 @@ def make_landscape(world: World, snapshot: Snapshot, step_deg: float = FINE_DEG)
     found = compute_landscape(world, snapshot, step_deg)
     theta, seen = snapshot.theta_demo, seen_from(world, snapshot)
     E_true = float(conflict_at(*seen, theta[:, None])[0, 0])
-    picture = LandscapePicture(found, world.scene, snapshot, TOO_FEW, joint_uncertainty(*seen, theta))
+    picture = LandscapePicture(found, world.scene, snapshot, TOO_FEW, joint_uncertainty(world, *seen[1:], theta))
     coarse = found is not None and step_deg > FINE_DEG
     return MadeLandscape(world, picture, E_true if np.isfinite(E_true) else None, snapshot if coarse else None)
 

@@ -5,7 +5,6 @@ Unlike a picture of the browser's canvas, it does not depend on the window's siz
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,11 +62,8 @@ class Viewpoint:
         return half + seen[..., :2] / depth[..., None] * (half[1] / np.tan(self.fov / 2)), seen[..., 2]
 
 
-class Item(NamedTuple):
-    """A part of the drawing, painted in the order of depth."""
-
-    depth: float  # m
-    drawing: str
+Item = tuple[float, str]  # depth [m], by which parts are painted, and a part of the drawing
+Colour = tuple[int, int, int]  # 0 … 255
 
 
 def default_viewpoint(world: World, moment: Snapshot) -> Viewpoint:
@@ -94,15 +90,20 @@ def draw_space(
     bases = scene_geometry.bases_of(world)
     postures = {"learner": moment.theta, "demonstrator": moment.theta_demo}
     frames = {arm: world.link_frames(postures[arm], bases[arm]) for arm in bases}
-    links, standing = list(_links(world, frames)), list(_standing(world))
+    meshes, solids = link_meshes(world.scene.robot), scene_geometry.solids(world)
+    links: list[tuple[Floats, NDArray[np.integer], Colour]] = [
+        (mesh.vertices @ T[link, :3, :3].T + T[link, :3, 3], mesh.faces, half_white(arm))
+        for arm, T in frames.items()
+        for link, mesh in meshes.items()
+    ]
+    standing = [(one.vertices @ one.turn.T + one.position, one.faces, getattr(LOOK, one.colour)) for one in solids]
     drawn = standing if outlines else [*links, *standing]  # what stands is no convex body
     items = [item for vertices, faces, colour in drawn for item in _faces(viewpoint, vertices, faces, colour)]
     if outlines:
         items += [item for vertices, __, colour in links for item in _outline(viewpoint, vertices, colour)]
-    items += _points(
-        world, moment, viewpoint, {arm: world.points_world(postures[arm], bases[arm]) for arm in bases}, rays, truth
-    )
-    painted = "".join(item.drawing for item in sorted(items, key=lambda item: -item.depth))
+    points = {arm: world.points_world(postures[arm], bases[arm]) for arm in bases}
+    items += _points(world, moment, viewpoint, points, rays, truth)
+    painted = "".join(drawing for _, drawing in sorted(items, key=lambda item: -item[0]))
     shadows = "".join(_hull_shadow(viewpoint, vertices) for vertices, *__ in links)
     shadows += "".join(_shadow(viewpoint, vertices, faces) for vertices, faces, __ in standing)
     names = "".join(_label(viewpoint, label) for label in scene_geometry.labels(world))
@@ -116,23 +117,7 @@ def draw_space(
     return Figure(inside, WIDTH, height, title)
 
 
-def _links(
-    world: World, frames: dict[str, Floats]
-) -> Iterator[tuple[Floats, NDArray[np.integer], tuple[int, int, int]]]:
-    for arm, T_world_links in frames.items():
-        for link, mesh in link_meshes(world.scene.robot).items():
-            T = T_world_links[link]
-            yield np.asarray(mesh.vertices) @ T[:3, :3].T + T[:3, 3], np.asarray(mesh.faces), half_white(arm)
-
-
-def _standing(world: World) -> Iterator[tuple[Floats, NDArray[np.integer], tuple[int, int, int]]]:
-    for solid in scene_geometry.solids(world):
-        yield solid.vertices @ solid.turn.T + solid.position, solid.faces, LOOK._asdict()[solid.colour]
-
-
-def _faces(
-    viewpoint: Viewpoint, vertices: Floats, faces: NDArray[np.integer], colour: tuple[int, int, int]
-) -> Iterator[Item]:
+def _faces(viewpoint: Viewpoint, vertices: Floats, faces: NDArray[np.integer], colour: Colour) -> Iterator[Item]:
     """Draw the faces that are turned to the viewer, shaded. colour: 0 … 255."""
     places, depth = viewpoint.see(vertices)
     corners = vertices[faces]
@@ -145,10 +130,10 @@ def _faces(
     for triangle, far, shade in zip(places[faces[kept]].reshape(-1, 6), depth[faces[kept]].mean(1), shades.tolist()):
         tint = "#{:02x}{:02x}{:02x}".format(*shade)
         d = TRIANGLE.format(*triangle)
-        yield Item(float(far), f'<path fill="{tint}" stroke="{tint}" d="{d}"/>')
+        yield (float(far), f'<path fill="{tint}" stroke="{tint}" d="{d}"/>')
 
 
-def _outline(viewpoint: Viewpoint, vertices: Floats, colour: tuple[int, int, int]) -> Iterator[Item]:
+def _outline(viewpoint: Viewpoint, vertices: Floats, colour: Colour) -> Iterator[Item]:
     """Draw the outline of a nearly convex body, lit from the side. colour: 0 … 255."""
     places, depth = viewpoint.see(vertices)
     if (depth > NEAR).all():
@@ -158,10 +143,10 @@ def _outline(viewpoint: Viewpoint, vertices: Floats, colour: tuple[int, int, int
             for way in ([0, -0.7, 0.7], [0, 0.7, -0.7])
         )
         look = f'fill="{fill}" stroke="{edge}"'
-        yield Item(float(depth.mean()), f'<path {look} d="{svg.path(corners)}z"/>')
+        yield (float(depth.mean()), f'<path {look} d="{svg.path(corners)}z"/>')
 
 
-def _shaded(normals: Floats, colour: tuple[int, int, int]) -> Floats:
+def _shaded(normals: Floats, colour: Colour) -> Floats:
     """Shade matt faces with these normals, (k, 3), under sky and sun. → (k, 3), 0 … 255."""
     up = 0.5 + 0.5 * normals[:, 2:]
     sky = (GROUND + (SKY - GROUND) * up) * LOOK.sky
@@ -202,7 +187,7 @@ def _mark(
     if depth > NEAR:
         px = radius / float(depth) * WIDTH / viewpoint.aspect / 2 / np.tan(viewpoint.fov / 2)
         d = shape(at[None], round(max(px, 0.4), 2))
-        yield Item(float(depth) - 2 * radius, f'<path fill="{ROLES[role][0]}" stroke="none" d="{d}"/>')
+        yield (float(depth) - 2 * radius, f'<path fill="{ROLES[role][0]}" stroke="none" d="{d}"/>')
 
 
 def _line(
@@ -211,7 +196,7 @@ def _line(
     places, depth = viewpoint.see(np.stack([start, end]))
     if (depth > NEAR).all():
         look = f'stroke="{ROLES[role][0]}" stroke-width="{width}" stroke-opacity="{opacity}"'
-        yield Item(float(depth.min()), f'<path {look} d="{svg.segments(places[:1], places[1:])}"/>')
+        yield (float(depth.min()), f'<path {look} d="{svg.segments(places[:1], places[1:])}"/>')
 
 
 def _hull_shadow(viewpoint: Viewpoint, vertices: Floats) -> str:

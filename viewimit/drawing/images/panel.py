@@ -50,7 +50,6 @@ def draw_images(
     standing: Bodies | None = None,
     construction: Construction | None = None,
     stage: int | None = None,
-    gain: float | None = None,
     goal: bool = False,
     course: Sequence[float] = (),
     print_size: bool = False,
@@ -60,14 +59,13 @@ def draw_images(
     windows: which part of each image is shown; chosen: a body point with a ring and its construction; whole_frames:
     whether the whole images are shown; pictures: JPEGs of the whole frames by view, drawn behind everything; standing:
     both arms where they are, if `bodies` previews another posture; construction: how the chosen point is recovered;
-    stage: its last one to draw, None for all; gain: factor by which the residuals are drawn longer, None to choose one;
-    goal: whether L and R show the learner as it would look in the demonstrator's posture; course: E after each motion
-    so far, px², for a small curve; print_size: whether legend and metrics are drawings of a fixed width instead of text
-    that wraps.
+    stage: its last one to draw, None for all; goal: whether L and R show the learner as it would look in the
+    demonstrator's posture; course: E after each motion so far, px², for a small curve; print_size: whether legend and
+    metrics are drawings of a fixed width instead of text that wraps.
     """
     shown = windows[whole_frames]
     lengths = residual_lengths(snapshot)
-    gain = arrow_gain(lengths) if gain is None else gain
+    gain = arrow_gain(lengths)
     images = planes.image_points(snapshot.views)
     points = planes.placed(images, shown, "lrLR")
     marks = _own_marks(snapshot, points[2:], shown, gain) | _seen_marks(snapshot, points[:2])
@@ -96,10 +94,8 @@ def draw_images(
             inside += _readout(snapshot, chosen, k - 2, shown[view], SIZES[whole_frames][view])
         parts.append(planes.plane(view, shown[view], whole_frames, bodies.frame, inside))
     headings = HEADINGS if snapshot.rectification is None else RECTIFIED
-    parts += [
-        f'<div class="vi-heading vi-over-{pair}">{words} {ask(f"{pair}_views")}</div>'
-        for pair, words in headings.items()
-    ]
+    for pair, words in headings.items():
+        parts.append(f'<div class="vi-heading vi-over-{pair}">{words} {ask(f"{pair}_views")}</div>')
     parts.append(draw_legend(gain, chosen, crossed, goal) if print_size else write_legend(gain, crossed, goal))
     how = "Click a point to see its lines." if crossed else "Click a point to see how it is transferred."
     if chosen is not None:
@@ -207,10 +203,9 @@ def _partly_visible(snapshot: Snapshot, pair: str) -> list[tuple[int, Floats]]:
 
 def _rings(snapshot: Snapshot, points: Floats, chosen: int) -> list[str]:
     """Draw the ring in l, r, L, R; "" where the chosen point is not visible. points: (4, N, 2) px."""
-    return [
-        f'<circle class="vi-ring" cx="{x:.1f}" cy="{y:.1f}" r="{RING:g}"/>' if seen else ""
-        for (x, y), seen in zip(points[:, chosen].tolist(), snapshot.views.visible[chosen].tolist())
-    ]
+    places = zip(points[:, chosen].tolist(), snapshot.views.visible[chosen].tolist())
+    ring = f'<circle class="vi-ring" cx="{{:.1f}}" cy="{{:.1f}}" r="{RING:g}"/>'
+    return [ring.format(*place) if seen else "" for place, seen in places]
 
 
 def _readout(snapshot: Snapshot, chosen: int, side: int, window: Window, size: tuple[int, int]) -> str:
@@ -345,7 +340,7 @@ def _metrics(snapshot: Snapshot, lengths: Floats) -> tuple[Metric, ...]:
         each = lengths.ravel().tolist()  # for few numbers faster than numpy
         mean, largest = sum(each) / len(each), max(each)
         point = snapshot.usable.nonzero()[0][each.index(largest) // 2]
-        where = "{value} px at {point}".replace("{point}", str(point))
+        where = f"{{value}} px at {point}"
     used, count = int(snapshot.usable.sum()), len(snapshot.usable)
     condition = float(snapshot.transfer.condition) if snapshot.transfer is not None else np.nan
     name = snapshot.method.condition_name
@@ -360,7 +355,7 @@ def _metrics(snapshot: Snapshot, lengths: Floats) -> tuple[Metric, ...]:
         flat = snapshot.flatness if known else np.nan
         found.append(Metric("amber" if flat >= BADLY_CONDITIONED else "", FLATNESS, _short(flat, 100)))
     if used < count:
-        level, text = "red" if used < MIN_POINTS else "", "{value} of {n}".replace("{n}", str(count))
+        level, text = "red" if used < MIN_POINTS else "", f"{{value}} of {count}"
         counted = COUNTED[not snapshot.views.matched]
         found.append(Metric(level, counted, str(used), text, glossary()["points_seen"].symbol))
     return tuple(found)

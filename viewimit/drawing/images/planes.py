@@ -53,12 +53,13 @@ def image_windows(reach: Mapping[str, Floats], frame: tuple[int, int]) -> Window
     windows: Windows = {False: {}, True: {}}
     for whole, boxes in SIZES.items():
         for pair in ("lr", "LR"):
-            spans = {view: _span(reach[view], frame, whole) for view in pair}
+            spans = {view: np.array([(0, 0), frame], float) for view in pair}
+            for view in pair if not whole else ():
+                if len(reach[view]):
+                    spans[view] = np.array([reach[view].min(0), reach[view].max(0)])
             around = 0 if whole else 2 * MARGIN
-            scale = min(
-                ((np.array(boxes[view]) - around) / np.maximum(high - low, 1.0)).min()
-                for view, (low, high) in spans.items()
-            )
+            rooms = ((np.array(boxes[view]) - around) / np.maximum(np.ptp(spans[view], 0), 1.0) for view in pair)
+            scale = min(room.min() for room in rooms)
             sizes = {view: np.array(boxes[view]) / scale for view in pair}
             corners = {view: (low + high - sizes[view]) / 2 for view, (low, high) in spans.items()}
             free = _free_corners({view: (reach[view] - corners[view]) / sizes[view] for view in pair})
@@ -70,18 +71,9 @@ def image_windows(reach: Mapping[str, Floats], frame: tuple[int, int]) -> Window
 
 def holds(windows: Windows, points: Mapping[str, Floats]) -> bool:
     """Say whether the windows show all these points, (k, 2) px by view."""
-    for view, seen in points.items():
-        x, y, w, h = windows[False][view][:4]
-        place = (seen - (x, y)) / (w, h)
-        if ((place < 0) | (place > 1)).any():
-            return False
-    return True
-
-
-def _span(points: Floats, frame: tuple[int, int], whole: bool) -> tuple[Floats, Floats]:
-    if whole or len(points) == 0:
-        return np.zeros(2), np.array(frame, float)
-    return points.min(0), points.max(0)
+    shown = windows[False]
+    places = [(seen - shown[view][:2]) / shown[view][2:4] for view, seen in points.items()]
+    return all(((place >= 0) & (place <= 1)).all() for place in places)
 
 
 def _free_corners(places: dict[str, Floats]) -> tuple[bool, bool]:
@@ -89,10 +81,8 @@ def _free_corners(places: dict[str, Floats]) -> tuple[bool, bool]:
     x, y = np.concatenate(list(places.values())).T
     share = lambda where: np.count_nonzero(where) / len(x)
     left, right, top, bottom = x < 0.35, x > 0.65, y < 0.1, y > 0.9
-    return (
-        bool(share(left & top) < share(right & top) - MIN_DIFFERENCE),
-        bool(share(left & bottom) < share(right & bottom) + MIN_DIFFERENCE),
-    )
+    locator = share(left & top) < share(right & top) - MIN_DIFFERENCE
+    return bool(locator), bool(share(left & bottom) < share(right & bottom) + MIN_DIFFERENCE)
 
 
 def image_points(views: FourViews) -> Floats:

@@ -86,14 +86,10 @@ def _image(x: float, y: float, name: str, points: Floats, hulls: Floats, bones: 
     """Draw one image. points: (N, 2), hulls: (links, corners, 2), bones: (k, 2), px of its box."""
     demo = name in "lr"
     arm = f'<path class="vi-hull" d="{svg.polygons(hulls[None])[0]}"/><path class="vi-bone" d="{svg.path(bones)}"/>'
-    marks = (
-        f'<path class="vi-seen" d="{svg.diamonds(points, OBSERVED)}"/>'
-        if demo
-        else f'<path class="vi-own" d="{svg.dots(points)}"/>'
-    )
+    kind, d = ("vi-seen", svg.diamonds(points, OBSERVED)) if demo else ("vi-own", svg.dots(points))
     return (
         f'<svg x="{x}" y="{y}" width="{IMAGE[0]}" height="{IMAGE[1]}">'
         f'<rect class="vi-plane" x=".5" y=".5" width="{IMAGE[0] - 1}" height="{IMAGE[1] - 1}" rx="4"/>'
-        f'<g class="{"vi-demo" if demo else ""}">{arm}</g>{marks}'
+        f'<g class="{"vi-demo" if demo else ""}">{arm}</g><path class="{kind}" d="{d}"/>'
         f'<text class="vi-name vi-halo" x="5" y="15">{name}</text></svg>'
     )

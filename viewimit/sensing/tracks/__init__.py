@@ -12,7 +12,6 @@ from .arrays import open_hdf5, read_arrays
 from .columns import Meaning, meaning_of
 from .pose_trackers import (
     LEVELS,
-    find_table,
     read_deeplabcut_csv,
     read_deeplabcut_h5,
     read_sleap_analysis,
@@ -81,7 +80,7 @@ def _read_hdf5(path: Path, individual: str | None) -> Track:
             return read_slp(path, file, individual)
         if "track_occupancy" in file or "tracks" in file:
             return read_sleap_analysis(path, file, individual)
-        table = find_table(file)
+        table = next((group for group in file.values() if "pandas_type" in group.attrs), None)
         if table is None:
             raise ValueError(f"{path}: neither DeepLabCut's table nor SLEAP's tracks are in it; export them as CSV")
         return read_deeplabcut_h5(path, table, individual)

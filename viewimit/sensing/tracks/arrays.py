@@ -8,9 +8,6 @@ nothing else does, the number of names tells which axis is of points.
 """
 
 import importlib.util
-import tokenize
-import zipfile
-import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..files import MAX_ARRAY_BYTES, MEGABYTE, TooLarge, read_npz, require_file
+from ..files import DAMAGED, MAX_ARRAY_BYTES, MEGABYTE, TooLarge, read_npz, require_file
 from .columns import SEEN, Meaning, as_numbers, meaning_of, name_unread, refuse, require_pixel_unit
 from .numbering import FrameLabels
 from .track import Track, require_cells, with_seen
@@ -28,10 +25,6 @@ TRACKS = ("pred_tracks", "tracks", "points")
 NAMES = ("names", "point_names", "node_names")
 FRAMES_FIRST = ("pred_visibility", "visibility", "visibilities", "confidence")  # CoTracker's order of axes
 POINTS_FIRST = ("visibles", "occluded", "occlusions")  # TAPIR's
-DAMAGED = (
-    zipfile.BadZipFile, zlib.error, tokenize.TokenError, EOFError, NotImplementedError, OSError, ValueError, TypeError,
-    MemoryError, RecursionError, SyntaxError,
-)  # fmt: skip
 SAVE = "numpy.savez(file, pred_tracks=…, pred_visibility=…, names=[…])"
 MAX_HDF5_BYTES = 1024 * MEGABYTE  # of a file, which may hold pictures beside its tracks
 HDF5_ERRORS = (
@@ -74,23 +67,18 @@ def read_arrays(path: Path) -> Track:
 
 def _numbers_of_frames(found: dict[str, NDArray[Any]], T: int) -> tuple[str, NDArray[np.uint64]]:
     """The array that numbers the frames and what it says; without one, "" and 0 to T - 1."""
-    for name in (name for name in found if meaning_of(name) in (Meaning.FRAME, Meaning.PICTURE)):
-        if (frames := _frames(found[name], T)) is not None:
+    for name, values in found.items():
+        if meaning_of(name) not in (Meaning.FRAME, Meaning.PICTURE) or values.shape != (T,):
+            continue
+        labels = FrameLabels()
+        try:
+            at = [labels.add(str(value)) for value in values.tolist()]
+        except ValueError:
+            continue
+        frames = labels.numbers()[at]
+        if len(np.unique(frames)) == T:
             return name, frames
     return "", np.arange(T, dtype=np.uint64)
-
-
-def _frames(values: NDArray[Any], T: int) -> NDArray[np.uint64] | None:
-    """The numbers of T different frames, None if these are none."""
-    if values.shape != (T,):
-        return None
-    labels = FrameLabels()
-    try:
-        at = [labels.add(str(value)) for value in values.tolist()]
-    except ValueError:
-        return None
-    frames = labels.numbers()[at]
-    return frames if len(np.unique(frames)) == T else None
 
 
 def _load(path: Path) -> dict[str, NDArray[Any]]:
@@ -99,7 +87,7 @@ def _load(path: Path) -> dict[str, NDArray[Any]]:
         found = read_npz(path) if path.suffix.lower() == ".npz" else {"tracks": np.load(path)}
     except TooLarge:
         raise
-    except DAMAGED:
+    except (*DAMAGED, OSError):
         raise ValueError(f"{path}: not an array of numbers that numpy has saved; save as {SAVE}") from None
     beside = path.with_suffix(".txt")
     if path.suffix.lower() == ".npy" and beside.is_file():

@@ -63,7 +63,7 @@ def read_deeplabcut_csv(path: Path, individual: str | None) -> Track:
         cells = table.filled(line, cells, len(parts))
         if not frames and not any(map(str.strip, cells[first:])) and not DIGITS.search(cells[first - 1]):
             continue  # the name of pandas' index
-        frames.append(table.frame(labels, line, "1", cells[first - 1]))
+        frames.append(table.whole(line, "1", cells[first - 1], labels.add))
         numbers.append(
             [_cell(table, line, first + k + 1, one, text) for k, (one, text) in enumerate(zip(headings, cells[first:]))]
         )
@@ -146,11 +146,6 @@ def _body_parts(where: str, headings: Sequence[Heading]) -> tuple[dict[tuple[str
     return parts, name_unread("column", unread)
 
 
-def find_table(file: Any) -> Any | None:
-    """Return the group of the first table that pandas has written, None if there is none."""
-    return next((group for group in file.values() if "pandas_type" in group.attrs), None)
-
-
 def read_deeplabcut_h5(path: Path, group: Any, individual: str | None) -> Track:
     """Read a table in HDF5. Raises ValueError that names the file, and KeyError for a missing part."""
     kind = as_text(group.attrs["pandas_type"])
@@ -158,7 +153,12 @@ def read_deeplabcut_h5(path: Path, group: Any, individual: str | None) -> Track:
         raise ValueError(f"{path}: a table of kind {kind!r}, not a frame; {EXPORT_CSV}")
     index, headings, values = _read_table(path, group) if kind == "frame_table" else _read_fixed(path, group)
     labels = FrameLabels()
-    frames = [_frame(path, labels, k, one) for k, one in enumerate(index)]
+    frames = []
+    for row, one in enumerate(index, 1):
+        try:
+            frames.append(labels.add(as_text(one[-1] if isinstance(one, tuple) else one)))
+        except ValueError as error:
+            raise ValueError(f"{path}: row {row}: {error}") from None
     return track_of(str(path), headings, labels, frames, values, individual)
 
 
@@ -224,13 +224,6 @@ def _heading(path: Path, one: Sequence[Any]) -> Heading:
     return _trimmed(("" if len(names) == 3 else names[1], names[-2], names[-1]))
 
 
-def _frame(path: Path, labels: FrameLabels, row: int, index: Any) -> int:
-    try:
-        return labels.add(as_text(index[-1] if isinstance(index, tuple) else index))
-    except ValueError as error:
-        raise ValueError(f"{path}: row {row + 1}: {error}") from None
-
-
 PICKLE_ERRORS = (
     pickle.UnpicklingError, EOFError, ValueError, IndexError, KeyError, AttributeError, TypeError, OverflowError,
 )  # fmt: skip
@@ -281,7 +274,7 @@ def read_sleap_csv(path: Path, individual: str | None) -> Track:
     for (line, cells), track in zip(read, tracks):
         if track != chosen:
             continue
-        frame = table.frame(rows.labels, line, FRAME, cells[at[FRAME]])
+        frame = table.whole(line, FRAME, cells[at[FRAME]], rows.labels.add)
         for node in nodes:
             x, y = (table.number(line, node + axis, cells[at[node + axis]], np.nan) for axis in (X, Y))
             names = [node + ending for ending in endings]
@@ -298,7 +291,11 @@ def read_sleap_csv(path: Path, individual: str | None) -> Track:
 
 def read_sleap_analysis(path: Path, file: Any, individual: str | None) -> Track:
     """Read exported arrays. Raises ValueError that names the file, and KeyError for a missing part."""
-    dims = _dims(path, file["tracks"])
+    found = file["tracks"]
+    dims = tuple(json.loads(as_text(found.attrs["dims"]))) if "dims" in found.attrs else MATLAB
+    if sorted(dims) != sorted(MATLAB) or found.ndim != len(MATLAB):
+        again = "export it by SLEAP as analysis HDF5 again"
+        raise ValueError(f"{path}: tracks have {found.ndim} dimensions {dims}; {again}")
     tracks = read_dataset(file["tracks"]).transpose([dims.index(name) for name in ("track", "frame", "node", "xy")])
     nodes, names = (
         [as_text(one) for one in read_dataset(file[key])] if key in file else []
@@ -323,15 +320,6 @@ def read_sleap_analysis(path: Path, file: Any, individual: str | None) -> Track:
     frames, image = np.arange(tracks.shape[1], dtype=np.uint64), tracks[k].astype(float)
     unread = name_unread("array", [key for key in file if key not in (*ANALYSIS, *about)])
     return with_seen(str(path), Track(frames, tuple(nodes), image, np.zeros(image.shape[:2]), unread=unread), seen)
-
-
-def _dims(path: Path, tracks: Any) -> tuple[str, ...]:
-    dims = tuple(json.loads(as_text(tracks.attrs["dims"]))) if "dims" in tracks.attrs else MATLAB
-    if sorted(dims) != sorted(MATLAB) or tracks.ndim != len(MATLAB):
-        raise ValueError(
-            f"{path}: tracks have {tracks.ndim} dimensions {dims}; export it by SLEAP as analysis HDF5 again"
-        )
-    return dims
 
 
 def read_slp(path: Path, file: Any, individual: str | None) -> Track:

@@ -8,7 +8,7 @@ import csv
 import math
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -35,7 +35,7 @@ PICTURE_NAME = re.compile(r"\.(?:png|jpe?g|tiff?|bmp|gif|avi|mp4)\b", re.IGNOREC
 NAME_POINTS = "name points in a column point, and pictures in a column frame"
 NO_POINT = ("", "-1")  # no keypoint, or one that COLMAP has not matched
 COLMAP_FILES = {"# Image list": "images.txt", "# 3D point list": "points3D.txt", "# Camera list": "cameras.txt"}
-COLMAP_NUMBERS = 9  # before the name in the first line of an image
+COLMAP_IMAGE = re.compile(r"\s*(?:[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s+){9}\S")  # nine numbers and a name
 COLMAP_COMMAND = (
     "python -c \"r = [s.split() for s in open('{file}') if s[0] != '#']; "
     "p = next(p for i, p in zip(r[::2], r[1::2]) if i[9] == 'demo_left.png'); print('point,x,y'); "
@@ -121,17 +121,10 @@ class Table:
         except ValueError as error:
             raise ValueError(f"{error}: write 1 or 0, yes or no, or a share in 0 … 1") from None
 
-    def whole(self, line: int, column: str, text: str) -> int:
-        """Return a whole number, such as a frame's."""
+    def whole(self, line: int, column: str, text: str, read: Callable[[str], int] = whole_number) -> int:
+        """Return a whole number as `read` finds it in a cell, such as the index of a frame's label."""
         try:
-            return whole_number(text)
-        except ValueError as error:
-            raise ValueError(f"{self.path}: line {line}, column {column}: {error}") from None
-
-    def frame(self, labels: FrameLabels, line: int, column: str, text: str) -> int:
-        """Return the index of a frame's label."""
-        try:
-            return labels.add(text)
+            return read(text)
         except ValueError as error:
             raise ValueError(f"{self.path}: line {line}, column {column}: {error}") from None
 
@@ -244,7 +237,9 @@ def _read_rows(path: Path, required: Sequence[Meaning]) -> dict[str, Track]:
     lines = table.lines()
     line, heading = next(lines)
     refuse_colmap(path, table.first)
-    columns = _columns(path, line, heading, required)
+    columns = find_columns(f"{path}: line {line}", heading)
+    if missing := [meaning.value for meaning in required if meaning not in columns.at]:
+        raise ValueError(f"{path}: line {line}: no column {_missing(missing, heading, Meaning.VIEW in required)}")
     read, nameless = _rows_by_view(table, lines, heading, columns)
     unread = [name_unread("column", columns.unread)]
     unread += [f"{nameless} row{'s' if nameless > 1 else ''} without a name of a point"] if nameless else []
@@ -253,7 +248,10 @@ def _read_rows(path: Path, required: Sequence[Meaning]) -> dict[str, Track]:
         raise ValueError(f"{path}: no row of a point below the heading{comments and f', but {comments}'}")
     unread += [comments] if comments else []
     point_column = heading[columns.at[Meaning.POINT]]
-    _require_names(f"{path}: column {point_column}", read)
+    names = [name for rows in read.values() for name in rows.points()]
+    if all(map(PICTURE_NAME.search, names)):
+        picture = escape(names[0], MAX_NAME_CHARS)
+        raise ValueError(f"{path}: column {point_column}: {picture!r} is a picture, not a point: {NAME_POINTS}")
     tracks = {}
     for view, rows in read.items():
         rows.require_once(str(path), VIEW_NAMES.get(view, ""), _hint(columns, rows, point_column))
@@ -289,32 +287,23 @@ def _rows_by_view(
         rows = read.get(view)
         if rows is None:
             rows = read[view] = Rows(FrameLabels(), [meaning for _, meaning in columns.seen])
-        label = (
-            rows.labels.add("0") if frame_at < 0 else table.frame(rows.labels, line, heading[frame_at], cells[frame_at])
-        )
+        named = ("", "0") if frame_at < 0 else (heading[frame_at], cells[frame_at])
+        label = table.whole(line, *named, rows.labels.add)
         x = table.number(line, heading[x_at], cells[x_at], np.nan)
         y = table.number(line, heading[y_at], cells[y_at], np.nan)
         rows.add(line, label, point, x, y, _seen(table, line, heading, cells, columns))
     return read, nameless
 
 
-def _columns(path: Path, line: int, heading: list[str], required: Sequence[Meaning]) -> Columns:
-    """Where the columns are. Raises ValueError as `find_columns`, and if one is missing."""
-    columns = find_columns(f"{path}: line {line}", heading)
-    missing = [meaning.value for meaning in required if meaning not in columns.at]
-    if not missing:
-        return columns
-    if Meaning.VIEW in required:
-        form, hint = ",".join(COLUMNS), ""
-        if "view" in missing:
-            hint = ". Files of one view are given by --demo-left, --demo-right, --own-left and --own-right"
-        raise ValueError(f"{path}: line {line}: no column {', '.join(missing)}; the first line is {form}{hint}")
+def _missing(names: list[str], heading: list[str], of_all_views: bool) -> str:
+    """Which columns are missing, and how a table begins."""
+    if of_all_views:
+        hint = ". Files of one view are given by --demo-left, --demo-right, --own-left and --own-right"
+        return f"{', '.join(names)}; the first line is {','.join(COLUMNS)}{hint * ('view' in names)}"
     spaces = len(heading) == 1 and len(heading[0].split()) >= len(REQUIRED)
     hint = ": separate columns by , or ; or tabs, not spaces" if spaces else ""
-    raise ValueError(
-        f"{path}: line {line}: no column {', '.join(missing)}{hint}; a table of one view begins with the line "
-        "frame,point,x,y,confidence, where points of the same name in all views are the same"
-    )
+    begins = "frame,point,x,y,confidence, where points of the same name in all views are the same"
+    return f"{', '.join(names)}{hint}; a table of one view begins with the line {begins}"
 
 
 def _seen(table: Table, line: int, heading: list[str], cells: list[str], columns: Columns) -> list[float]:
@@ -322,13 +311,6 @@ def _seen(table: Table, line: int, heading: list[str], cells: list[str], columns
     for k in columns.units:
         require_pixel_unit(f"{table.path}: line {line}, column {heading[k]}", cells[k])
     return [table.seen(line, heading[k], meaning, cells[k]) for k, meaning in columns.seen]
-
-
-def _require_names(where: str, read: Mapping[str, Rows]) -> None:
-    """Raise ValueError if all names of points are names of pictures."""
-    names = [name for rows in read.values() for name in rows.points()]
-    if names and all(map(PICTURE_NAME.search, names)):
-        raise ValueError(f"{where}: {escape(names[0], MAX_NAME_CHARS)!r} is a picture, not a point: {NAME_POINTS}")
 
 
 def _hint(columns: Columns, rows: Rows, point_column: str) -> str:
@@ -348,7 +330,7 @@ def refuse_colmap(path: Path, first: str) -> None:
     which image is which view, and which points of the two arms correspond.
     """
     kind = next((kind for start, kind in COLMAP_FILES.items() if first.startswith(start)), None)
-    if kind is None and _is_colmap_image(first.split(maxsplit=COLMAP_NUMBERS)):
+    if kind is None and COLMAP_IMAGE.match(first):
         kind = "images.txt"
     if kind == "images.txt":
         raise ValueError(
@@ -358,11 +340,3 @@ def refuse_colmap(path: Path, first: str) -> None:
         )
     if kind is not None:
         raise ValueError(f"{path}: COLMAP's {kind} holds no points of images: take images.txt beside it")
-
-
-def _is_colmap_image(cells: list[str]) -> bool:
-    """Whether this is the first line of an image, in a file without a heading."""
-    try:
-        return len(cells) == COLMAP_NUMBERS + 1 and not any(math.isnan(float(cell)) for cell in cells[:COLMAP_NUMBERS])
-    except ValueError:
-        return False

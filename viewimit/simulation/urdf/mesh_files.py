@@ -19,6 +19,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from ...geometry.components import connected_components
 from ...sensing.files import read_bytes
 
 FORMATS = ("stl", "obj", "dae", "glb", "ply", "off")
@@ -231,22 +232,9 @@ def creased(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     corner = lambda face, vertex: 3 * face + np.argmax(faces[face] == vertex[:, None], axis=1)
     one = np.concatenate([corner(pairs[:, 0], ends[:, k]) for k in (0, 1)])
     other = np.concatenate([corner(pairs[:, 1], ends[:, k]) for k in (0, 1)])
-    group = _connected_components(faces.size, one, other)
+    group = connected_components(faces.size, one, other)
     _, first, index = np.unique(group, return_index=True, return_inverse=True)
     return trimesh.Trimesh(merged.vertices[faces.ravel()[first]], index.reshape(-1, 3), process=False)
-
-
-def _connected_components(count: int, one: NDArray[np.int_], other: NDArray[np.int_]) -> NDArray[np.int_]:
-    """Smallest member of the component of each of `count` nodes, joined by edges one[k] - other[k]."""
-    group = np.arange(count)
-    while True:
-        before = group.copy()
-        least = np.minimum(group[one], group[other])
-        np.minimum.at(group, one, least)
-        np.minimum.at(group, other, least)
-        group = group[group]
-        if (group == before).all():
-            return group
 
 
 def _clustered(vertices: Floats, faces: NDArray[np.int_], cells: int) -> tuple[Floats, NDArray[np.int_]]:

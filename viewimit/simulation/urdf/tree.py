@@ -235,7 +235,8 @@ def _read_joint(path: Path, element: ElementTree.Element, faults: list[str]) -> 
     name, kind = element.get("name", "?"), element.get("type", "")
     where = f"joint {name!r}"
     for part in (element, *element):
-        _report_unknown(path, where, part, faults)
+        unknown = sorted(set(part.attrib) - ATTRIBUTES[part.tag]) if part.tag in ATTRIBUTES else ()
+        faults += [f"{path}: {where}: <{part.tag} {_short(one)}=…> is not understood, and left out" for one in unknown]
 
     def numbers(tag: str, attribute: str, default: str) -> Floats:
         return _numbers(path, where, element.find(tag), attribute, default)
@@ -296,13 +297,6 @@ def _origin(path: Path, where: str, element: ElementTree.Element) -> Floats:
     axis, angle = quaternion[:3], 2 * np.arctan2(np.linalg.norm(quaternion[:3]), quaternion[3])
     turns = np.linalg.norm(axis) > MIN_QUATERNION * length
     return rigid_transform(rotation_about_axis(axis, angle) if turns else np.eye(3), xyz)
-
-
-def _report_unknown(path: Path, where: str, element: ElementTree.Element, faults: list[str]) -> None:
-    """Report attributes that are not read, and could change what the joint does."""
-    known = ATTRIBUTES.get(element.tag)
-    for name in sorted(set(element.attrib) - known) if known else ():
-        faults.append(f"{path}: {where}: <{element.tag} {_short(name)}=…> is not understood, and left out")
 
 
 def _numbers(path: Path, where: str, element: ElementTree.Element | None, attribute: str, default: str) -> Floats:

@@ -46,19 +46,14 @@ def rows(path):
         return list(csv.DictReader(file))
 
 
-def test_every_file_is_there_and_in_the_manifest(made):
-    name, _, folder, written = made
+def test_every_file_is_there_and_in_the_manifest_which_says_of_what(made):
+    name, result, folder, written = made
     assert {path.name for path in written} == {path.name for path in folder.iterdir()}
     manifest = json.loads((folder / f"{name}.json").read_text("utf-8"))
     assert set(manifest["files"]) == {path.name for path in written} - {f"{name}.json"}
     expected = {f"{name}-{table}.csv" for table in TABLES[name]} | {f"{name}.npz", f"{name}.json"}
     expected |= {f"{name}{suffix}" for suffix in (".svg", *filter(figures.can_render, figures.WRITERS))}
     assert {path.name for path in written} == expected
-
-
-def test_the_manifest_says_of_what(made):
-    name, result, folder, _ = made
-    manifest = json.loads((folder / f"{name}.json").read_text("utf-8"))
     assert manifest["settings"]["demonstrator_deg"] == [45, -90] and manifest["settings"]["transfer"] == "epipolar"
     assert manifest["seed"] == result.settings.seed
     assert {"python", "viewimit", "numpy"} <= set(manifest["versions"])

@@ -86,7 +86,8 @@ def run(args: argparse.Namespace) -> int:
     show = (lambda text: None) if args.json else (lambda text: print(escape(text, len(text), keep="\n"), flush=True))
     parts = [args.benchmark]
     if args.benchmark == ALL:
-        parts = [name for name, group in GROUPS.items() if not group.of_folder and _cases_in(group, args)]
+        has = lambda group: any((args.case or "") in case.name for case in group.cases)
+        parts = [name for name, group in GROUPS.items() if not group.of_folder and has(group)]
         if not parts:
             raise BadInput(f"--case: no case contains {args.case!r}")
     results: dict[str, Any] = {}
@@ -106,10 +107,6 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         print_json(args, results)
     return DONE
-
-
-def _cases_in(group: engine.Group, args: argparse.Namespace) -> list[engine.Case]:
-    return [case for case in group.cases if (args.case or "") in case.name]
 
 
 def _in_scene(args: argparse.Namespace) -> dict[str, Any]:

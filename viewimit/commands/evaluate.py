@@ -20,7 +20,6 @@ from ..analysis.tracked_body import (
     name_points,
     observed_in_calibration,
     observed_in_postures,
-    own_points,
 )
 from ..drawing.export import evaluation as evaluate_report
 from ..estimation.noise import views_rounding_std
@@ -154,8 +153,12 @@ def _with_body(
         told = {"naming": _naming_json(matched, body, tracked.frames, names), **told}
         views = matched.views
     else:
-        views = own_points(body, views)
-    return views, points, {**told, "misfit": _misfit_json(body, tracked.frames, points, views)}
+        views = views.select(body.points)
+    told["misfit"] = None
+    if (misfit := find_misfit(body, views)) is not None:
+        said = misfit_json(misfit[0], range(1, 1 + len(body.lower)), points) or {}
+        told["misfit"] = said | {"frame": tracked.frames[misfit[1]]}
+    return views, points, told
 
 
 def _learn_body(args: argparse.Namespace, frames: Sequence[int], views: FourViews) -> TrackedBody | None:
@@ -179,14 +182,6 @@ def _learn_body(args: argparse.Namespace, frames: Sequence[int], views: FourView
         noise_px = max(noise_px, calibration.noise_px)
         seen = observed_in_calibration(calibration, len(own))
         return learn_tracked_body(seen, own, limits, noise_px, rectification, False)
-
-
-def _misfit_json(body: TrackedBody, frames: Sequence[int], points: Sequence[str], views: FourViews) -> dict | None:
-    """Why the demonstrator is no body like the own one, with names of points and the frame that shows it."""
-    found = find_misfit(body, views)
-    if found is None:
-        return None
-    return (misfit_json(found[0], range(1, 1 + len(body.lower)), points) or {}) | {"frame": frames[found[1]]}
 
 
 def _naming_json(found: NamedPoints, body: TrackedBody, frames: Sequence[int], points: Sequence[str]) -> dict:

@@ -10,7 +10,7 @@ import numpy as np
 from .. import options
 from ..analysis.results import figure, naming_words, outcome, posture
 from ..drawing.svg import count_motions
-from ..loop.history import MAX_HISTORY, History
+from ..loop.history import MAX_HISTORY
 from ..loop.self_calibration import SelfCalibration
 from ..loop.session import Session
 from ..loop.settings import FIELDS, SAFETY, Settings, option
@@ -135,16 +135,11 @@ def _write(path: Path, session: Session) -> str:
         from ..app.lab.replay import replay  # it loads the drawing code
 
         return f", {replay(session).save(path) / 1e6:.2f} MB"
-    _write_table(path, session.history)
-    return ""
-
-
-def _write_table(path: Path, history: History) -> None:
     if path.suffix.lower() == ".npz":
         with path.open("wb") as file:  # numpy would add the extension to a name that ends in .NPZ
-            np.savez(file, **history.arrays())  # type: ignore[arg-type]
-        return
-    rows = history.table()
+            np.savez(file, **session.history.arrays())  # type: ignore[arg-type]
+        return ""
+    rows = session.history.table()
     with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(rows[0])
@@ -152,6 +147,7 @@ def _write_table(path: Path, history: History) -> None:
             [f"{value:.{TABLE_DIGITS}g}" if isinstance(value, float) else value for value in row.values()]
             for row in rows
         )
+    return ""
 
 
 def _use_calibration(session: Session, path: Path) -> None:

@@ -17,6 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.kinematics.two_bodies import fit_similarity
 from ...simulation.camera import Camera, Cameras
 from ...simulation.world import World
 
@@ -86,7 +87,7 @@ def _demo_images(world: World, theta: NDArray, one_head: bool, another_body: boo
     head, so it moves both bodies' images. In another body each joint is shifted, too: 3 m more.
     """
     demo, own = (world.points_world(theta, T) for T in (world.T_world_demo, world.T_world_own))
-    H = _similarity(own, demo)[:, :3]
+    H = fit_similarity(own, demo)[:3, :3]
     if one_head:
         first, frame = _similarity_motions(demo, world.T_world_demo[:3, 3]), _head_motions(world.demo_cameras[0], demo)
         if another_body:
@@ -171,12 +172,3 @@ def _image_derivatives(pair: Cameras, points: NDArray) -> NDArray:
 def _image_motions(by_image: NDArray, motions: NDArray) -> NDArray:
     """Chain rule: image derivatives (N, 4, 3) and motions of the points (P, N, 3) → (4 N, P)."""
     return np.einsum("nij,pnj->nip", by_image, motions).reshape(-1, len(motions))
-
-
-def _similarity(a: NDArray, b: NDArray) -> NDArray:
-    """The (3, 4) similarity b = s R a + t of points (N, 3) m (Umeyama 1991, without noise)."""
-    mean_a, mean_b = a.mean(0), b.mean(0)
-    U, sigma, Vt = np.linalg.svd((b - mean_b).T @ (a - mean_a))
-    R = U @ np.diag([1, 1, np.sign(np.linalg.det(U @ Vt))]) @ Vt
-    s = np.linalg.norm(b - mean_b) / np.linalg.norm(a - mean_a)
-    return np.column_stack([s * R, mean_b - s * R @ mean_a])

@@ -9,6 +9,7 @@ import hashlib
 import importlib
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -360,12 +361,8 @@ def _summary(runs: Sequence[Run], first: Sequence[Run], measures: Measures) -> S
         expected_deg=rms([run.expected_deg for run in claims]) if claims else None,
         travel_deg=float(np.median(column("travel_deg"))),
         cpu_s=float(np.median(column("cpu_s"))),
-        statuses=_counts([str(run.status) for run in runs]),
-        reasons=_counts([run.reason for run in runs if run.reason]),
+        statuses=dict(Counter(str(run.status) for run in runs)),
+        reasons=dict(Counter(run.reason for run in runs if run.reason)),
         less=less,
         measures={name: found for name, of in measures.items() if (found := of(runs)) is not None},
     )
-
-
-def _counts(words: Sequence[str]) -> dict[str, int]:
-    return {word: words.count(word) for word in dict.fromkeys(words)}

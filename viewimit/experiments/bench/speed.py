@@ -5,6 +5,7 @@ one thread before numpy is loaded (OPENBLAS_NUM_THREADS=1), or its threads count
 """
 
 import time
+import timeit
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -109,12 +110,7 @@ def call_s(call: Callable[[], object]) -> float:
 def median_s(work: Callable[[], object], rounds: int | None = None) -> float:
     """Return the CPU time of this process for some work, after one call to warm up."""
     work()
-    times = []
-    for _ in range(rounds or ROUNDS):
-        began = time.process_time()
-        work()
-        times.append(time.process_time() - began)
-    return float(np.median(times))
+    return float(np.median(timeit.repeat(work, timer=time.process_time, repeat=rounds or ROUNDS, number=1)))
 
 
 def speed_table(found: Times) -> str:

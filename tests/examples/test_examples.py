@@ -89,7 +89,16 @@ def test_webcams_and_printed_markers_imitate(monkeypatch, capsys):
         asked.append(np.radians([float(word) for word in re.findall(r"-?\d+\.\d*", prompt)]))
         robot.theta = asked[-1]
 
+    detect, found = module.Fiducials.detect, {}
+
+    def once(markers, picture):
+        """The five pictures of a look are one array."""
+        if id(picture) not in found:
+            found[id(picture)] = picture, detect(markers, picture)
+        return found[id(picture)][1]
+
     monkeypatch.setattr("builtins.input", by_hand)
+    monkeypatch.setattr(module.Fiducials, "detect", once)
     session = module.main(arm, Picture(robot, 0), Picture(robot, 1))
     last = session.snapshot
     assert error_deg(last, (25, -40, 70)) < 1.5 and len(asked) == last.motion + 1

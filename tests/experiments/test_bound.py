@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from viewimit.experiments.bench.bound import bound
-from viewimit.geometry.kinematics.adjustment import KinematicsCovariance, fit_kinematics
+from viewimit.geometry.kinematics.adjustment import KinematicsCovariance
 from viewimit.geometry.kinematics.clusters import Observations
 from viewimit.geometry.kinematics.model import ProjectiveKinematics
+from viewimit.geometry.kinematics.own_body import exact_body
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -37,7 +38,7 @@ def test_it_is_what_noise_of_the_demonstrator_and_of_learned_kinematics_leaves(w
     visited = visited[:visits]
     own = np.array([world.own_images(tuple(theta))[0] for theta in visited])
     seen = Observations(visited - visited[0], own, np.ones(own.shape[:2], bool))
-    kinematics = fit_kinematics(seen, 0.0)
+    kinematics = exact_body(seen, 0.0).kinematics
     assert kinematics is not None
     covariance = foretold_covariance(kinematics, KinematicsCovariance.estimate(kinematics, seen), THERE - visited[0])
     to_demo, J, J_H = demonstrator_derivatives(world)

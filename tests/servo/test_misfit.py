@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 from viewimit import Session, Settings
 from viewimit.estimation.views import FourViews, permute
 from viewimit.experiments.bench.demonstrators import OtherDemonstrator, StopsShort, stretched
-from viewimit.geometry.kinematics.adjustment import fit_kinematics
 from viewimit.geometry.kinematics.clusters import Observations
+from viewimit.geometry.kinematics.own_body import exact_body
 from viewimit.servo import Misfit, MisfitKind, Observation
 from viewimit.servo.estimator.hypotheses import CLEAR
 from viewimit.servo.estimator.reasons import explain
@@ -46,7 +46,7 @@ def explained(seed, places=None, head=seen):
     both = np.repeat(visible[-1, :, None], 2, -1)
     observation = Observation(own[-1], both, 1.0, shown[-1], -limits, limits, 8, NOISE_PX, demo=demo)
     visits = Observations(shown, own, visible)
-    return explain(fit_kinematics(visits, NOISE_PX), visits, observation, TRUTH + 0.05)
+    return explain(exact_body(visits, NOISE_PX).kinematics, visits, observation, TRUTH + 0.05)
 
 
 def wider(places):

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS, image_unit
-from ..geometry.kinematics.adjustment import KinematicsCovariance, fit_kinematics
+from ..geometry.kinematics.adjustment import KinematicsCovariance
 from ..geometry.kinematics.clusters import Observations
 from ..geometry.kinematics.disturbed import Shortfall, fit_shortfall
 from ..geometry.kinematics.model import ProjectiveKinematics
+from ..geometry.kinematics.own_body import exact_body
 from ..geometry.rectification import Rectification
 from ..loop.self_calibration import MIN_POSTURES, SelfCalibration
 from ..sensing.tracks.text import Table, column_names
@@ -101,7 +102,8 @@ def learn_tracked_body(
     in_radians = of_table and np.abs(seen.displacement).max() <= np.radians(2 * np.pi)
     if in_radians:
         _require_degrees(seen, noise, rectified, {"radians": UNITS_DEG["radians"]})
-    kinematics, shortfall = fit_kinematics(seen, noise, rectified), None
+    body, shortfall = exact_body(seen, noise, rectified), None
+    kinematics = None if body is None else body.kinematics
     if kinematics is None and (found := fit_shortfall(seen, noise, rectified)) is not None:
         kinematics, shortfall = found
         seen = replace(seen, displacement=shortfall.reached(seen.displacement))
@@ -113,7 +115,7 @@ def learn_tracked_body(
         without = lambda k: replace(seen, displacement=np.delete(seen.displacement, k, 1))
         m = seen.displacement.shape[1]
         joints = range(m) if of_table and m > 1 else ()
-        idle = next((k for k in joints if fit_kinematics(without(k), noise, rectified)), None)
+        idle = next((k for k in joints if exact_body(without(k), noise, rectified)), None)
         wanted = wanted if idle is None else f"joint {idle + 1} turns no point: leave its column out"
         raise ValueError(f"{len(seen.displacement)} poses do not show how the joints move points: {wanted}")
     gains = _gains(kinematics, seen, noise) if of_table else None
@@ -126,8 +128,8 @@ def _require_degrees(
     """Raise ValueError for joint angles of which the images tell that they are in one of these units."""
     for unit, degrees in units_deg.items():
         scaled = replace(seen, displacement=seen.displacement * degrees)
-        kinematics = fit_kinematics(scaled, noise, rectified)
-        if kinematics is not None and (rates := kinematics.rates).min() > 0:
+        body = exact_body(scaled, noise, rectified)
+        if body is not None and (rates := body.kinematics.rates).min() > 0:
             if np.abs(np.log(degrees * rates)).max() < SAME_UNIT:
                 return
             if np.abs(np.log(rates)).max() < SAME_UNIT:

@@ -178,13 +178,13 @@ def _coloured_part(picture: Picture, middle: float) -> tuple[tuple[int, int], tu
     red, green, blue = np.moveaxis(searched, -1, 0)
     spread = np.maximum(np.maximum(red, green), blue) - np.minimum(np.minimum(red, green), blue)
     coloured = spread >= MIN_CHROMA / 2
-    rows, columns = (_box(coloured.any(axis)) for axis in (1, 0))
+    rows, columns = (hit_range(coloured.any(axis)) for axis in (1, 0))
     red, green, blue = np.moveaxis(searched[rows, columns].astype(np.float32), -1, 0)
     return (first + columns.start, rows.start), (red - (green + blue) / 2, np.sqrt(0.75) * (green - blue))
 
 
-def _box(hit: NDArray[np.bool_]) -> slice:
-    """From the first to the last that is hit; empty if none is."""
+def hit_range(hit: NDArray[np.bool_]) -> slice:
+    """Return where the first to the last are that are hit; empty if none is."""
     where = np.flatnonzero(hit)
     return slice(int(where[0]), int(where[-1]) + 1) if len(where) else slice(0, 0)
 

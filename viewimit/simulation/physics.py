@@ -63,37 +63,29 @@ def connect() -> BulletClient:
 
 
 class PhysicalArm(SimulatedArm):
-    """An arm that its motors hold a little below the commanded posture."""
+    """An arm that its motors, of limited torque and speed, hold a little below the commanded posture."""
 
     def __init__(self, scene: Scene):
         super().__init__(scene)
-        with tempfile.TemporaryDirectory() as folder:
-            self._motors = Motors(write_urdf(scene, Path(folder)))
+        self._client = connect()
+        with tempfile.TemporaryDirectory() as folder, quiet():
+            self._body = self._client.loadURDF(str(write_urdf(scene, Path(folder))), useFixedBase=True)
+        self._client.setGravity(0, 0, -GRAVITY)
+        self._client.setTimeStep(STEP_S)
+        infos = [self._client.getJointInfo(self._body, k) for k in range(self._client.getNumJoints(self._body))]
+        infos = [info for info in infos if info[2] == self._client.JOINT_REVOLUTE]  # base to tip
+        self._joints = [info[0] for info in infos]
+        self._effort, self._speed = [info[10] for info in infos], [info[11] for info in infos]
 
     def settle(self, theta: Floats) -> Floats:
-        return self._motors.drive(theta, theta)
+        return self._move(theta, theta)
 
     def drive(self, amounts: ArmAmounts, start: Floats, theta: Floats, sent: Floats, commanded: Floats) -> Floats:
         """The disturbed command is the goal of the motors; `sent` is not used."""
         goal = disturbed(amounts, start, commanded)
-        return self._motors.drive(theta, np.clip(goal, self._scene.lower, self._scene.upper))
+        return self._move(theta, np.clip(goal, self._scene.lower, self._scene.upper))
 
-
-class Motors:
-    """The revolute joints of a URDF on a fixed base, base to tip, with motors of limited torque and speed."""
-
-    def __init__(self, urdf: Path):
-        self._client = connect()
-        with quiet():
-            self._body = self._client.loadURDF(str(urdf), useFixedBase=True)
-        self._client.setGravity(0, 0, -GRAVITY)
-        self._client.setTimeStep(STEP_S)
-        infos = [self._client.getJointInfo(self._body, k) for k in range(self._client.getNumJoints(self._body))]
-        infos = [info for info in infos if info[2] == self._client.JOINT_REVOLUTE]
-        self._joints = [info[0] for info in infos]
-        self._effort, self._speed = [info[10] for info in infos], [info[11] for info in infos]
-
-    def drive(self, theta: Floats, command: Floats) -> Floats:
+    def _move(self, theta: Floats, command: Floats) -> Floats:
         """Move from rest at theta to a commanded posture, and return where the arm comes to rest; (m,) rad each."""
         for joint, angle in zip(self._joints, theta, strict=True):
             self._client.resetJointState(self._body, joint, float(angle))

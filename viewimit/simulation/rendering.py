@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.views import VIEWS
-from ..sensing.detection import Detections, detect, reject_partly_hidden
+from ..sensing.detection import Detections, detect, hit_range, reject_partly_hidden
 from .camera import Camera
 from .depth_buffer import DepthBuffer, Triangles, illumination
 from .meshes import Mesh
@@ -54,7 +54,7 @@ class Studio:
         buffer = self.arms(camera, theta_demo, theta_own)
         nearer, arms, picture = buffer.inverse_depth > behind, buffer.colours, empty.copy()
         if nearer.any():  # elsewhere the picture is that of the empty room
-            rows, columns = (_pixel_range(np.asarray(nearer.any(axis))) for axis in (1, 0))
+            rows, columns = (hit_range(np.any(np.reshape(nearer.any(axis), (-1, SAMPLES)), 1)) for axis in (1, 0))
             part = tuple(slice(SAMPLES * pixels.start, SAMPLES * pixels.stop) for pixels in (rows, columns))
             picture[rows, columns] = _mean(np.where(nearer[part], arms[part], room[part]))
         return picture
@@ -162,12 +162,6 @@ def _mean(samples: Colours) -> Picture:
         for column in range(SAMPLES):
             total += channels[row::SAMPLES, column::SAMPLES]
     return (total // SAMPLES**2).astype(np.uint8)
-
-
-def _pixel_range(hit: NDArray[np.bool_]) -> slice:
-    """Pixels from the first to the last whose samples are hit: (SAMPLES n,) bool -> slice."""
-    where = np.flatnonzero(hit)
-    return slice(int(where[0]) // SAMPLES, int(where[-1]) // SAMPLES + 1)
 
 
 class RenderedEyes(SimulatedEyes):

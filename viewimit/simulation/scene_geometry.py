@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.views import VIEWS
-from ..geometry.rigid import rotation_about_axis
+from ..geometry.rigid import look_rotation, rotation_about_axis
 from .appearance import extreme_vertices
 from .camera import Camera
 from .robot import link_meshes
@@ -263,10 +263,8 @@ def box(size: tuple[float, float, float]) -> Mesh:
 
 def default_view() -> Floats:
     """Return R_world_camera, (3, 3), of the default view: right, down, forward in columns."""
-    forward = -np.array([np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)])
-    right = np.cross(forward, [0, 0, 1.0])
-    right /= np.linalg.norm(right)
-    return np.stack([right, np.cross(forward, right), forward], axis=-1)
+    level = np.cos(ELEVATION)
+    return look_rotation([-level * np.cos(AZIMUTH), -level * np.sin(AZIMUTH), -np.sin(ELEVATION)])
 
 
 def fit_view(points: Floats, aspect: float, below: float) -> tuple[Floats, Floats]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..sensing.files import MAX_NAME_CHARS, escape
 from .robot import Robot, load_robot, robot_names
-from .scene import Eye, Scene, load_scene, scene_names
+from .scene import Scene, load_scene, scene_names
 from .urdf.reference import is_reference, parse_reference
 
 COMMENTS = {  # before a field or table
@@ -29,12 +29,14 @@ COMMENTS = {  # before a field or table
     "points": "Layouts of body points on visible surfaces, by their number: [link, x, y, z], m, in the frame of\n"
     "# the link that joint i moves (0 = base)",
 }
-DEFAULTS = {"verged": False, "toe_in_deg": 0.0, "undistort": [0.0, 0.0]}  # of a head, left out
+UNDISTORTED = {"distortion": (0.0, 0.0)}
+HEAD = {"verged": False, "toe_in_deg": 0.0, "undistort": (0.0, 0.0), "left": UNDISTORTED, "right": UNDISTORTED}
 
 
 def scene_file(fields: dict[str, Any], robot: Robot, heading: str) -> str:
-    """Return a scene's fields as commented TOML, with a heading in the first line."""
-    return "\n".join([f"# {heading}", *_commented_lines(fields, robot)]) + "\n"
+    """Return a scene's fields as commented TOML, with a heading in the first line, without what is usual of a head."""
+    unusual = {**_difference({"head": HEAD}, fields), "points": fields["points"]}
+    return "\n".join([f"# {heading}", *_lines(unusual, robot)]) + "\n"
 
 
 def saved_scene(scene: Scene, heading: str) -> str:
@@ -60,7 +62,7 @@ def scene_text(scene: Scene) -> str:
     for name, below in _shipped_fields().items():
         if _only_adds(below, fields):
             added = {"extends": name, "title": scene.title, **_difference(below, fields)}
-            candidates.append("\n".join(_plain_lines(added)) + "\n")
+            candidates.append("\n".join(_lines(added)) + "\n")
     text = min(candidates, key=len)
     if load_scene(text) != scene:
         raise ValueError("no text reproduces it")
@@ -69,7 +71,7 @@ def scene_text(scene: Scene) -> str:
 
 def whole_text(scene: Scene) -> str:
     """Return all fields of a scene as a text, which a scene of a shipped robot can be loaded from anywhere."""
-    return "\n".join(_plain_lines(_difference({}, msgspec.to_builtins(scene)))) + "\n"
+    return "\n".join(_lines(_difference({}, msgspec.to_builtins(scene)))) + "\n"
 
 
 def toml(value: Any) -> str:
@@ -84,35 +86,30 @@ def toml(value: Any) -> str:
     return f"{value:.0f}" if value == int(value) else repr(value)
 
 
-def _commented_lines(fields: dict[str, Any], robot: Robot) -> Iterator[str]:
-    links = ["base", *(f"moved by {escape(joint.name, MAX_NAME_CHARS)}" for joint in robot.joints)]
+def _lines(fields: dict[str, Any], robot: Robot | None = None, table: str = "") -> Iterator[str]:
+    """TOML: values first, then tables. For a robot, it has comments, and a line for each body point."""
     tables = {name: value for name, value in fields.items() if isinstance(value, dict)}
     for name, value in fields.items():
         if name in tables:
             continue
-        if name == "moving_joints":
-            yield from _joint_lines(robot)
-        yield from _comment(name)
-        yield f"{name} = {toml(value)}"
-    for name, table in tables.items():
-        yield ""
-        yield from _comment(name)
-        yield f"[{name}]"
-        for key, value in table.items():
-            if name == "points":
-                yield f"{key} = ["
-                yield from (f"  {toml(point)},  # {links[point[0]]}" for point in value)
-                yield "]"
-            elif isinstance(value, dict):  # a camera of the head, after the values of both cameras
-                given = {k: v for k, v in value.items() if v is not None and tuple(v) != Eye().distortion}
-                if given:
-                    yield from ("", f"[{name}.{key}]", *(f"{k} = {toml(v)}" for k, v in given.items()))
-            elif DEFAULTS.get(key) != (list(value) if isinstance(value, tuple) else value):
-                yield f"{key} = {toml(value)}"
+        if robot is not None and table == "points":
+            links = ["base", *(f"moved by {escape(joint.name, MAX_NAME_CHARS)}" for joint in robot.joints)]
+            yield from (f"{name} = [", *(f"  {toml(point)},  # {links[point[0]]}" for point in value), "]")
+        else:
+            yield from _comments(name, robot, table)
+            yield f"{name} = {toml(value)}"
+    for name, inside in tables.items():
+        path = f"{table}.{name}" if table else name
+        yield from ("", *_comments(name, robot, table)) if robot is not None else ()
+        yield f"[{path}]"
+        yield from _lines(inside, robot, path)
 
 
-def _comment(name: str) -> list[str]:
-    return f"# {COMMENTS[name]}".split("\n") if name in COMMENTS else []
+def _comments(name: str, robot: Robot | None, table: str) -> list[str]:
+    """What is said before a field or table of the scene."""
+    if robot is None or table or name not in COMMENTS:
+        return []
+    return [*(_joint_lines(robot) if name == "moving_joints" else ()), *f"# {COMMENTS[name]}".split("\n")]
 
 
 def _joint_lines(robot: Robot) -> Iterator[str]:
@@ -148,13 +145,3 @@ def _difference(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
         if value is not None and value != {} and value != below.get(name):
             found[name] = value
     return found
-
-
-def _plain_lines(fields: dict[str, Any], table: str = "") -> Iterator[str]:
-    """TOML without comments: values first, then tables."""
-    tables = {name: value for name, value in fields.items() if isinstance(value, dict)}
-    yield from (f"{name} = {toml(value)}" for name, value in fields.items() if name not in tables)
-    for name, inside in tables.items():
-        path = f"{table}.{name}" if table else name
-        yield f"[{path}]"
-        yield from _plain_lines(inside, path)

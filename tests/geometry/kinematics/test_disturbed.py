@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from turning_body import TurningBody
 
-from viewimit.geometry.kinematics.adjustment import fit_kinematics
 from viewimit.geometry.kinematics.disturbed import fit_lens, fit_shortfall
+from viewimit.geometry.kinematics.own_body import exact_body
 
 ON = np.repeat([0, 1, 2], 6)
 NOISE_PX = 0.05
@@ -38,7 +38,7 @@ def test_how_short_an_arm_stops_is_found_and_its_images_predicted_where_it_is(sh
     sent = sent_to(rng, body)
     there = where(sent, share)
     seen = replace(seen_at(rng, body, there), displacement=sent)
-    assert fit_kinematics(seen, NOISE_PX) is None
+    assert exact_body(seen, NOISE_PX) is None
     kinematics, shortfall = fit_shortfall(seen, NOISE_PX)
     assert shortfall.share == pytest.approx(share, abs=0.003)
     np.testing.assert_allclose(shortfall.reached(sent), there, atol=0.003)

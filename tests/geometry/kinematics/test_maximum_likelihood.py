@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from turning_body import TurningBody
 
-from viewimit.geometry.kinematics.adjustment import BundleAdjustment, fit_kinematics
+from viewimit.geometry.kinematics.adjustment import BundleAdjustment
 from viewimit.geometry.kinematics.bundle import levenberg_marquardt
 from viewimit.geometry.kinematics.maximum_likelihood import MAX_RAISED, likely_kinematics
 from viewimit.geometry.kinematics.model import N_FRAME, PLANE
+from viewimit.geometry.kinematics.own_body import exact_body
 
 NOISE_PX = 0.5
 ON = np.array([0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2])
@@ -25,7 +26,7 @@ def seen(seed, radius_m):
     body.points[NEAR_AXIS] = body.through[1] + radius_m * across / np.linalg.norm(across)
     shown = np.vstack([body.probes(), rng.uniform(-0.7, 0.7, (9, 2))])
     observations = body.observations(shown, noise=NOISE_PX * rng.standard_normal((len(shown), len(ON), 4)))
-    kinematics = fit_kinematics(observations, NOISE_PX)
+    kinematics = exact_body(observations, NOISE_PX).kinematics
     return kinematics, BundleAdjustment.of(kinematics, observations, NOISE_PX).restricted_to_known(kinematics)
 
 

@@ -6,9 +6,10 @@ from turning_body import TurningBody
 
 from viewimit import Session, Settings
 from viewimit.geometry.fundamental import fit_fundamental
-from viewimit.geometry.kinematics.adjustment import BundleAdjustment, KinematicsCovariance, fit_kinematics
+from viewimit.geometry.kinematics.adjustment import BundleAdjustment, KinematicsCovariance
 from viewimit.geometry.kinematics.clusters import Observations
 from viewimit.geometry.kinematics.model import exponentials, generator_powers, twist_matrices
+from viewimit.geometry.kinematics.own_body import exact_body
 from viewimit.geometry.rectification import rectify
 
 ON = [0, 0, 1, 1, 1, 2, 2, 2, 2]
@@ -23,24 +24,24 @@ def furthest(found, body, displacements, points=slice(None)):
 def test_one_probe_for_each_joint_predicts_images_anywhere(seed):
     rng = np.random.default_rng(seed)
     body = TurningBody(rng, ON, 2)
-    found = fit_kinematics(body.observations(body.probes()), 0.0)
+    found = exact_body(body.observations(body.probes()), 0.0).kinematics
     assert furthest(found, body, rng.uniform(-1.2, 1.2, (20, 2))) < 1e-5
 
 
 def test_joints_may_slide_or_be_many():
     rng = np.random.default_rng(3)
     sliding = TurningBody(rng, ON, 2, sliding=(1,))
-    found = fit_kinematics(sliding.observations(sliding.probes()), 0.0)
+    found = exact_body(sliding.observations(sliding.probes()), 0.0).kinematics
     assert furthest(found, sliding, rng.uniform(-1, 1, (20, 2))) < 1e-4
     five = TurningBody(rng, [0, 0, *np.repeat([1, 2, 3, 4, 5], 5)], 5)
-    found = fit_kinematics(five.observations(five.probes()), 0.0)
+    found = exact_body(five.observations(five.probes()), 0.0).kinematics
     assert furthest(found, five, rng.uniform(-0.5, 0.5, (20, 5))) < 1e-3
 
 
 def test_a_body_whose_points_do_not_turn_together_has_no_kinematics():
     body = TurningBody(np.random.default_rng(0), ON, 2, slip=0.05)
     more = np.vstack([body.probes(), [0.6, -0.5], [-0.4, 0.8]])
-    assert fit_kinematics(body.observations(more), 0.0) is None
+    assert exact_body(body.observations(more), 0.0) is None
 
 
 @pytest.mark.parametrize("count", range(4))
@@ -50,7 +51,7 @@ def test_fewer_than_four_points_give_no_kinematics(count):
     for begins in (0, 5):
         visible = np.tile((np.arange(len(ON)) >= begins) & (np.arange(len(ON)) < begins + count), (3, 1))
         for noise_px in (0.0, 0.2):
-            assert fit_kinematics(body.observations(body.probes(), visible), noise_px) is None
+            assert exact_body(body.observations(body.probes(), visible), noise_px) is None
 
 
 def test_a_point_is_predicted_after_a_single_image_of_it():
@@ -61,11 +62,11 @@ def test_a_point_is_predicted_after_a_single_image_of_it():
         False  # seen at the start and at the end, far from each other: no image shows which joints move it
     )
     seen = body.observations(np.vstack([body.probes(), [0.7, -0.6]]), visible)
-    found = fit_kinematics(seen, 0.0)
+    found = exact_body(seen, 0.0).kinematics
     assert not found.unknown.any()
     assert furthest(found, body, rng.uniform(-1, 1, (20, 2))) < 1e-4
     visible[3, 7] = False  # seen once
-    found = fit_kinematics(body.observations(np.vstack([body.probes(), [0.7, -0.6]]), visible), 0.0)
+    found = exact_body(body.observations(np.vstack([body.probes(), [0.7, -0.6]]), visible), 0.0).kinematics
     assert found.unknown.tolist() == [k == 7 for k in range(len(ON))]
     assert np.isnan(found.predict(np.zeros(2))[7]).all()
 
@@ -76,11 +77,11 @@ def test_predictions_vary_as_the_covariance_says():
     rng, noise_px = np.random.default_rng(6), 0.02
     body = TurningBody(rng, ON, 2)
     visits = np.vstack([body.probes(), rng.uniform(-0.7, 0.7, (4, 2))])
-    before, asked = fit_kinematics(body.observations(visits), 0.0), np.array([0.4, -0.3])
-    found = []
+    own, asked, found = exact_body(body.observations(visits), 0.0), np.array([0.4, -0.3]), []
     for _ in range(60):
         noise = noise_px * rng.standard_normal((len(visits), len(ON), 4))
-        found.append(fit_kinematics(body.observations(visits, noise=noise), noise_px, previous=before).predict(asked))
+        found.append(exact_body(body.observations(visits, noise=noise), noise_px, previous=own))
+    found, before = [one.kinematics.predict(asked) for one in found], own.kinematics
     exact = body.observations(visits)
     parameters, shape = KinematicsCovariance.estimate(before, exact).columns(1e-4)
     columns = [
@@ -112,7 +113,7 @@ def test_rectified_images_have_the_noise_of_the_images_as_seen_even_where_one_ca
         head = rectify(fit_fundamental(left, right), left, right)
         images = clean + noise_px * rng.standard_normal(clean.shape)
         shown = Observations(visits, images, np.ones(images.shape[:2], bool))
-        found = fit_kinematics(shown, noise_px, head)
+        found = exact_body(shown, noise_px, head).kinematics
         problem = BundleAdjustment.of(found, shown, noise_px)
         chi_squared, freedom = (problem.residuals(found) ** 2).sum() / noise_px**2, problem.degrees_of_freedom
         assert abs(chi_squared - freedom) < 4 * np.sqrt(2 * freedom)
@@ -127,7 +128,7 @@ def test_simulated_robots_are_predicted_over_their_whole_range(scene):
     probes = begin + np.vstack([np.zeros(2), [0.26, 0], [0.26, -0.26]])
     own = np.array([look(theta) for theta in probes])
     seen = Observations(probes, own, np.ones(own.shape[:2], bool))
-    found = fit_kinematics(seen, 0.0, session.snapshot.rectification)
+    found = exact_body(seen, 0.0, session.snapshot.rectification).kinematics
     asked = np.random.default_rng(0).uniform(lower, upper, (20, 2))
     off = [np.abs(found.predict(theta) - look(theta)).max() for theta in asked]
     assert max(off) < 1e-3

@@ -8,7 +8,7 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 from turning_body import TurningBody, seen
 
-from viewimit.geometry.kinematics.adjustment import fit_kinematics
+from viewimit.geometry.kinematics.own_body import exact_body
 from viewimit.geometry.kinematics.two_bodies import (
     BodyPair,
     PairAdjustment,
@@ -47,7 +47,7 @@ def demonstrator(body, rng, theta=TRUTH, size=1.1, yaw=0.4):
 
 def adjusted(body, rng, demo=None):
     observations = visited(body, rng)
-    kinematics = fit_kinematics(observations, NOISE_PX)
+    kinematics = exact_body(observations, NOISE_PX).kinematics
     problem = PairAdjustment.of(kinematics, observations, demonstrator(body, rng) if demo is None else demo, NOISE_PX)
     return problem, problem.solve(problem.starts(kinematics, TRUTH[None] + 0.1)[0]), kinematics
 
@@ -92,7 +92,7 @@ def test_postures_of_one_demonstrator_share_its_place():
     for seed in range(30):
         rng, body = np.random.default_rng([2, seed]), body_of(seed % 6)
         observations = visited(body, rng)
-        kinematics = fit_kinematics(observations, NOISE_PX)
+        kinematics = exact_body(observations, NOISE_PX).kinematics
         demos = np.concatenate([demonstrator(body, rng, theta) for theta in postures])
         problem, first = (PairAdjustment.of(kinematics, observations, demo, NOISE_PX) for demo in (demos, demos[:1]))
         pair = problem.solve(problem.starts(kinematics, postures + 0.1)[0])
@@ -119,7 +119,7 @@ def test_the_map_between_both_bodies_tells_the_scale_along_parallel_axes(seed):
     """With parallel axes the own motions leave that scale open; a demonstrator that is turned shows it."""
     rng, body = np.random.default_rng(seed), body_of(seed, parallel=True)
     observations = visited(body, rng)
-    kinematics = fit_kinematics(observations, NOISE_PX)
+    kinematics = exact_body(observations, NOISE_PX).kinematics
     problem = PairAdjustment.of(kinematics, observations, demonstrator(body, rng), NOISE_PX)
     own, demo = kinematics.coordinates(TRUTH[None])[0], kinematics.frame.coordinates(problem.images[0])
     shared = with_shared_metric(kinematics, fit_homography(own, demo))

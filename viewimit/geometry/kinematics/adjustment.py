@@ -1,4 +1,4 @@
-"""Fit projective kinematics to the images of all visits by bundle adjustment (Triggs et al. 2000).
+"""Bundle adjustment of projective kinematics to the images of all visits (Triggs et al. 2000).
 
 The parameters of frame and twists and all points are adjusted together (`bundle`). It needs no good initial values: it
 starts from an affine frame and joints that turn nothing.
@@ -13,9 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..rectification import Rectification
 from .bundle import jacobian, levenberg_marquardt, normal_equations, sqrt_inverse
-from .clusters import Observations, joints_moving_points
+from .clusters import Observations
 from .model import N_FRAME, PLANE, ProjectiveKinematics, StereoFrame
 
 PRIOR_STD = 3.0  # of the frame's scales and shears, where noise leaves them open
@@ -23,12 +22,9 @@ PLANE_PRIOR_STD = 0.5  # of its plane at infinity: beyond, points at two deviati
 NOISE_FLOOR_PX = 1e-2  # rms residual that is accepted without noise
 FIT_SIGMA, NOISE_SLACK = 4.0, 1.2  # standard deviations of the mean square; factor, as the noise is an estimate itself
 
-PREDICTION_TOL_PX = 1e-6  # error of a prediction without noise: a visit predicted as well adds nothing
 MAX_OFF_PLANE_SIGMA = 3.0  # rms distance of parallel cameras' images from a hyperplane, in standard deviations
 MIN_POINTS = 4  # that span a space
 NEAR_RAD = np.radians(40.0)  # of visits near the first one, which are adjusted first
-MAX_SINGLE_SQUARE = 16.0  # mean square residual of a point placed by a single image, in squares of the noise
-MIN_SQUARE_RATIO = 4.0  # mean square residual with other joints, relative to the best, that decides for the best
 
 
 @dataclass(frozen=True)
@@ -80,11 +76,6 @@ class BundleAdjustment:
         pixels = difference * (kinematics.frame.unit_px / self.magnification)
         return np.where(self.observations.visible_in_both[..., None], pixels, 0.0)
 
-    def mean_squares(self, kinematics: ProjectiveKinematics) -> NDArray[np.float64]:
-        """Mean square of each point's residuals, (N,) px²."""
-        counts = np.maximum(3 * self.observations.visible_in_both.sum(0), 1)
-        return (self.residuals(kinematics) ** 2).sum((0, 2)) / counts
-
     def fits_noise(self, kinematics: ProjectiveKinematics) -> bool:
         """Whether noise explains the residuals (chi-square test of their mean square)."""
         freedom = max(self.degrees_of_freedom, 1)
@@ -107,140 +98,9 @@ class BundleAdjustment:
         return weights
 
 
-def fit_kinematics(
-    observations: Observations,
-    noise_px: float,
-    rectification: Rectification | None = None,
-    previous: ProjectiveKinematics | None = None,
-) -> ProjectiveKinematics | None:
-    """Fit kinematics that explain the images of all visits as well as noise allows.
-
-    Parameters
-    ----------
-    observations : Observations
-        Images of K visits.
-    noise_px : float
-        Standard deviation of an image coordinate.
-    rectification : Rectification, optional
-        Of the images, None if they need none.
-    previous : ProjectiveKinematics, optional
-        Kinematics that explained all visits but the last one.
-
-    Returns
-    -------
-    ProjectiveKinematics or None
-        None if the images do not determine kinematics, or none were found that explain them.
-    """
-    if previous is not None and (previous.rectification is None) != (rectification is None):
-        previous = None
-    if previous is not None and noise_px == 0 and previous.rectification is rectification:
-        if predicts_last(previous, observations):
-            return previous
-    if len(observations.displacement) <= observations.displacement.shape[1] or observations.n_points < MIN_POINTS:
-        return None
-    clusters = joints_moving_points(observations, noise_px)
-    if clusters is None:
-        return None
-    images = np.where(observations.visible_in_both[..., None], observations.images, 0.0)
-    images = images if rectification is None else rectification.apply(images)
-    initial = previous or _initial(observations, images, rectification)
-    if not is_of_parallel_cameras(initial.frame, noise_px):
-        return None
-    moved_by, known = clusters
-    moved_by = np.where(initial.unknown[:, None], moved_by, initial.moved_by)
-    initial = replace(initial, moved_by=moved_by, rectification=rectification)
-    problem = BundleAdjustment.of(initial, observations, noise_px)
-    initial = initial.with_points(known & initial.unknown, observations, problem.coordinates)
-    found = _solve_from(initial, problem, is_first=previous is None)
-    if found is None:
-        return None
-    seen_twice = found.unknown & (observations.visible_in_both.sum(0) > 1)
-    extended = reassigned(found, seen_twice, problem)
-    return found if extended is found else problem.restricted_to_known(extended).solve(extended) or found
-
-
 def is_of_parallel_cameras(frame: StereoFrame, noise_px: float) -> bool:
     """Whether noise explains how far the images are from those of parallel cameras."""
     return frame.rms_off_plane_px <= max(NOISE_FLOOR_PX, MAX_OFF_PLANE_SIGMA * noise_px)
-
-
-def _initial(
-    observations: Observations, images: NDArray[np.float64], rectification: Rectification | None
-) -> ProjectiveKinematics:
-    """Kinematics that know no point yet. images: (K, N, 4) px, rectified."""
-    visible = observations.visible_in_both
-    frame = StereoFrame.fit(images[visible])
-    return ProjectiveKinematics.initial(visible.shape[1], observations.displacement[0], frame, rectification)
-
-
-def predicts_last(previous: ProjectiveKinematics, observations: Observations) -> bool:
-    """Whether the last visit adds nothing, as all points are known and predicted exactly."""
-    last = observations.visible_in_both[-1]
-    if previous.unknown.any() or not last.any():
-        return False
-    error = np.abs(previous.predict(observations.displacement[-1]) - observations.images[-1])
-    return bool(error[last].max() < PREDICTION_TOL_PX)
-
-
-def _solve_from(
-    initial: ProjectiveKinematics, problem: BundleAdjustment, is_first: bool
-) -> ProjectiveKinematics | None:
-    """Solve for the known points; without previous kinematics adjust nearby visits first.
-
-    If noise does not explain the minimum, solve again with the contradicting points moved by other joints.
-    """
-    known = problem.restricted_to_known(initial)
-    if known.degrees_of_freedom < 1:
-        return None
-    if not is_first:
-        return known.solve(initial) or _solve_reassigned(initial, known)
-    near = np.abs(known.observations.displacement - initial.reference).max(1) < NEAR_RAD
-    if near.sum() <= len(initial.reference) or near.all():
-        return known.solve(initial)
-    first = known.select_visits(near).solve(initial)
-    return None if first is None else known.solve(first) or _solve_reassigned(first, known)
-
-
-def _solve_reassigned(initial: ProjectiveKinematics, problem: BundleAdjustment) -> ProjectiveKinematics | None:
-    """Solve with other joints for the points that contradict: noise may hide at first that a joint moves a point."""
-    if problem.noise_px == 0:
-        return None
-    contradicting = problem.mean_squares(initial) > MAX_SINGLE_SQUARE * problem.noise_floor_px**2
-    again = reassigned(initial, contradicting, problem)
-    return None if again is initial else problem.solve(again)
-
-
-def with_likely_joints(kinematics: ProjectiveKinematics, observations: Observations) -> ProjectiveKinematics:
-    """Place the unknown points, too: let those be moved by the joints that fit their images best, without a test."""
-    problem = BundleAdjustment.of(kinematics, observations, 0.0)
-    doubtful = kinematics.unknown & observations.visible_in_both.any(0)
-    return reassigned(kinematics, doubtful, problem, required=False)
-
-
-def reassigned(
-    kinematics: ProjectiveKinematics, points: NDArray[np.bool_], problem: BundleAdjustment, required: bool = True
-) -> ProjectiveKinematics:
-    """Let these points, (N,) bool, be moved by the joints that fit all their images.
-
-    required: only where they fit within the noise, and one choice fits best.
-    """
-    known = kinematics.moved_by[~kinematics.unknown]
-    one_changed = known[:, None] ^ np.eye(known.shape[1], dtype=bool)
-    patterns = np.unique([*known, *one_changed.reshape(-1, known.shape[1])], axis=0)
-    max_square = MAX_SINGLE_SQUARE * problem.noise_floor_px**2
-    for point in np.flatnonzero(points):
-        is_point = np.arange(len(points)) == point
-        trials = [
-            replace(kinematics, moved_by=np.where(is_point[:, None], pattern, kinematics.moved_by))
-            for pattern in patterns
-        ]
-        trials = [trial.with_points(is_point, problem.observations, problem.coordinates) for trial in trials]
-        squares = [float(problem.mean_squares(trial)[point]) for trial in trials]
-        best, *others = np.argsort(squares)
-        least = MIN_SQUARE_RATIO * max(squares[best], problem.noise_floor_px**2)
-        if not required or (squares[best] < max_square and all(squares[other] > least for other in others)):
-            kinematics = trials[best]
-    return kinematics
 
 
 @dataclass(frozen=True)

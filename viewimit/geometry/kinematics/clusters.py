@@ -93,51 +93,6 @@ def chain_transforms(
     return [products[joints] for joints in chains]
 
 
-def joints_moving_points(
-    observations: Observations, noise_px: float
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]] | None:
-    """Find which joints move each point.
-
-    Parameters
-    ----------
-    observations : Observations
-        Images of K visits.
-    noise_px : float
-        Standard deviation of an image coordinate.
-
-    Returns
-    -------
-    tuple or None
-        Which joints move a point, (N, m) bool, and for which points this is known, (N,) bool. None if the images leave
-        open, for some joint, which points it moves.
-
-    Notes
-    -----
-    If a joint was never turned alone while a point was visible, the other joints may decide: all points that an outer
-    joint moves, the joints further in move as well.
-    """
-    visible = observations.visible_in_both
-    farthest = np.full((visible.shape[1], observations.displacement.shape[1]), -1.0)  # px, -1 if never observed
-    for k, l, joint in single_joint_pairs(observations.displacement):
-        moved_px = np.abs(observations.images[k] - observations.images[l]).max(-1)
-        farthest[:, joint] = np.maximum(farthest[:, joint], np.where(visible[k] & visible[l], moved_px, -1.0))
-    min_motion = max(MIN_MOTION_PX, MOTION_SIGMA * np.sqrt(2) * noise_px)
-    moved = farthest > min_motion
-    decided = moved | ((farthest >= 0) & (farthest < REST_FRACTION * min_motion))
-    known = decided.all(1)
-    if not moved[known].any(0).all():
-        return None
-    inner = _moves_more(moved[known])
-    by_outer, by_inner = (moved & decided) @ inner.T, (~moved & decided) @ inner
-    return moved | (~decided & by_outer), (decided | by_outer | by_inner).all(1)
-
-
-def _moves_more(moved: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """(m, m) bool: whether one joint moves all points that another one moves, and more. moved: (n, m) bool."""
-    beyond = moved.T.astype(int) @ ~moved  # number of points that the first moves and the second does not
-    return (beyond > 0) & (beyond.T == 0)
-
-
 def single_joint_pairs(displacement: NDArray[np.float64]) -> list[tuple[int, int, int]]:
     """(k, l, joint): pairs of visits between which one joint was turned, and no other."""
     k, l = np.triu_indices(len(displacement), 1)

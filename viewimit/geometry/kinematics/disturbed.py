@@ -27,8 +27,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..rectification import Rectification
-from .adjustment import MAX_SINGLE_SQUARE, NEAR_RAD, BundleAdjustment, is_of_parallel_cameras, reassigned
+from .adjustment import NEAR_RAD, BundleAdjustment, is_of_parallel_cameras
 from .bundle import levenberg_marquardt
+from .chains import with_likely_chains
 from .clusters import Observations
 from .model import ProjectiveKinematics, StereoFrame
 
@@ -199,9 +200,9 @@ def _fit_shortfall(
         there = replace(problem, observations=replace(problem.observations, displacement=found.reached(sent)))
         if there.fits_noise(kinematics):
             return kinematics, found
-        contradicts = there.mean_squares(kinematics) > MAX_SINGLE_SQUARE * problem.noise_floor_px**2
-        before, kinematics = kinematics, reassigned(kinematics, contradicts, there, required=False)
-        if (kinematics.moved_by == before.moved_by).all():
+        before, seen = kinematics, there.observations.visible_in_both.any(0)
+        kinematics = with_likely_chains(kinematics, there, seen)
+        if kinematics is before:
             break
     return None
 

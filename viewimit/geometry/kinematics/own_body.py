@@ -92,7 +92,7 @@ def learn(
     else:
         first = 1 if previous.share else 0
         previous = None if previous.slack else previous  # hardly loose: try it as exact again
-    arms = (_exact, _short, _loose)  # the last kind first, from the last body, then from scratch; then looser ones
+    arms = (exact_body, _short, _loose)  # the last kind first, from the last body, then from scratch; then looser ones
     for fit in arms[first:]:
         for start in (previous, None) if fit is arms[first] and previous is not None else (None,):
             if (found := fit(sent, noise_px, rectification, start)) is not None:
@@ -139,10 +139,16 @@ def _begin(
     return kinematics, problem
 
 
-def _exact(
-    sent: Observations, noise_px: float, rectification: Rectification | None, previous: OwnBody | None
+def exact_body(
+    sent: Observations,
+    noise_px: float,
+    rectification: Rectification | None = None,
+    previous: OwnBody | None = None,
 ) -> OwnBody | None:
-    """An arm that is where it was sent. Points whose images no chain explains are left out."""
+    """Fit the body of an arm that is where it was sent; arguments as of `learn`.
+
+    Points whose images no chain explains are left out. None if the images determine no body, or none explains them.
+    """
     if (begin := _begin(sent, noise_px, rectification, previous)) is None:
         return None
     kinematics, problem = begin

@@ -8,9 +8,6 @@ nothing else does, the number of names tells which axis is of points.
 """
 
 import importlib.util
-import tokenize
-import zipfile
-import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..files import MAX_ARRAY_BYTES, MEGABYTE, TooLarge, read_npz, require_file
+from ..files import DAMAGED, MAX_ARRAY_BYTES, MEGABYTE, TooLarge, read_npz, require_file
 from .columns import SEEN, Meaning, as_numbers, meaning_of, name_unread, refuse, require_pixel_unit
 from .numbering import FrameLabels
 from .track import Track, require_cells, with_seen
@@ -28,10 +25,6 @@ TRACKS = ("pred_tracks", "tracks", "points")
 NAMES = ("names", "point_names", "node_names")
 FRAMES_FIRST = ("pred_visibility", "visibility", "visibilities", "confidence")  # CoTracker's order of axes
 POINTS_FIRST = ("visibles", "occluded", "occlusions")  # TAPIR's
-DAMAGED = (
-    zipfile.BadZipFile, zlib.error, tokenize.TokenError, EOFError, NotImplementedError, OSError, ValueError, TypeError,
-    MemoryError, RecursionError, SyntaxError,
-)  # fmt: skip
 SAVE = "numpy.savez(file, pred_tracks=…, pred_visibility=…, names=[…])"
 MAX_HDF5_BYTES = 1024 * MEGABYTE  # of a file, which may hold pictures beside its tracks
 HDF5_ERRORS = (
@@ -94,7 +87,7 @@ def _load(path: Path) -> dict[str, NDArray[Any]]:
         found = read_npz(path) if path.suffix.lower() == ".npz" else {"tracks": np.load(path)}
     except TooLarge:
         raise
-    except DAMAGED:
+    except (*DAMAGED, OSError):
         raise ValueError(f"{path}: not an array of numbers that numpy has saved; save as {SAVE}") from None
     beside = path.with_suffix(".txt")
     if path.suffix.lower() == ".npy" and beside.is_file():

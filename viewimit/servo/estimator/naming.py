@@ -42,7 +42,8 @@ from ...estimation.transfers import TRANSFERS
 from ...estimation.transfers.transfer import conflict
 from ...estimation.views import FourViews, Pairs
 from ...geometry.assignment import assign, cheapest_pairs
-from ...geometry.kinematics.adjustment import KinematicsCovariance, with_likely_joints
+from ...geometry.kinematics.adjustment import BundleAdjustment, KinematicsCovariance
+from ...geometry.kinematics.chains import with_likely_chains
 from ...geometry.kinematics.clusters import Observations
 from ...geometry.kinematics.model import ProjectiveKinematics
 from ..least_squares import minimise
@@ -193,7 +194,9 @@ class _Search:
     def begin(cls, demo: Array, model: KnownBody, lower: Array, upper: Array, seed: int) -> "_Search":
         shown, kinematics = np.flatnonzero(np.isfinite(demo).all(-1)), model.kinematics
         if kinematics.unknown.any():
-            kinematics = with_likely_joints(kinematics, model.observations)
+            doubtful = kinematics.unknown & model.observations.visible_in_both.any(0)
+            problem = BundleAdjustment.of(kinematics, model.observations, 0.0)
+            kinematics = with_likely_chains(kinematics, problem, doubtful)
         placed = np.flatnonzero(~kinematics.unknown)
         points = demo[shown], shown, placed, ~model.kinematics.unknown[placed]
         return cls(*points, model, kinematics, lower, upper, seed)

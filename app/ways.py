@@ -43,9 +43,8 @@ class Ways:
 
 
 def header(ways: Ways, here: str, with_about: bool = True) -> str:
-    """Return the ways as HTML, the page's own verb without a link; "" where there is no other page. here: the field of
-    `Ways` for this page; with_about: whether to add a "?" that says who made this, for pages without a help of their
-    own."""
+    """Return the ways as HTML, the page's own verb, `here`, without a link; "" where there is no other. with_about:
+    whether to add a "?" that says who made this, for pages without a help of their own."""
     parts = []
     for verb, (word, what) in VERBS.items():
         address = getattr(ways, verb)

@@ -82,9 +82,8 @@ def class_pages(lessons: Mapping[str, Lesson], embed: Sequence[str]) -> dict[str
 
 
 class ClassServer:
-    """Serves pages, by path, and the websockets of a room. origins: by which browsers know it besides its addresses and
-    this machine's names; trusted: addresses of proxies whose X-Forwarded-For is believed, separated by commas; * for
-    all."""
+    """Serves pages, by path, and the websockets of a room. origins: of its pages besides this machine's; trusted:
+    addresses of proxies whose X-Forwarded-For is believed, separated by commas; * for all."""
 
     def __init__(self, room: Room, pages: Mapping[str, Page], origins: Sequence[str] = (), trusted: str = ""):
         self._room, self._pages, self._origins, self._trusted = room, pages, origins, trusted

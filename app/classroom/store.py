@@ -160,7 +160,6 @@ class Store:
         self._add(ADD_ANSWER, (*row[:6], answer, vote.right, vote.sure, vote.seconds, vote.place))
 
     def drop_answers(self, round: int, voters: Iterable[str]) -> None:
-        """Delete these voters' answers of a round."""
         for voter in voters:
             self._add("delete from answers where round = ? and voter = ?", (round, voter))
 

@@ -38,8 +38,7 @@ def fits(ask: Ask, given: Given) -> bool:
 def is_right(ask: Ask, given: Given, truth: Sequence[Sequence[float]] = (), near: float | None = None) -> bool | None:
     """Return whether an answer, which fits what is asked, is right; None where nothing is, or it is not known. truth:
     what the lecturer's page has computed where the lesson's file does not say it: the number of the right answer from
-    1, a number, a posture, a place, or the corners of a line; near: how far a place may be from it, None for
-    `ask.near`."""
+    1, a number, a posture, or the corners of a line; near: how far a place may be from it, None for `ask.near`."""
     if isinstance(ask, Choice) and ask.right is None:
         return ask.answers[given.choice or 0].right
     if not truth or not isinstance(ask, Choice | Number | Pose | Place):

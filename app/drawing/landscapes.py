@@ -30,9 +30,8 @@ def draw_compared(scene: Scene, studied: TransferStudy, theta_demo: NDArray[np.f
 
 def draw_costs(joints: Sequence[int], transfer: str, spread: NDArray[np.float64] | None) -> str:
     """Draw what 1 px of noise costs at each joint, (m,) rad, by one transfer; None with too few points."""
-    bars, words = "", "Fewer than five points are visible."
-    if spread is not None:
-        bars, words = draw_bars(joints, spread, SMALL_WIDTH, (MAX_HEIGHT + 10) / len(joints)), "° per pixel of noise"
+    bars = "" if spread is None else draw_bars(joints, spread, SMALL_WIDTH, (MAX_HEIGHT + 10) / len(joints))
+    words = "Fewer than five points are visible." if spread is None else "° per pixel of noise"
     return _placed(transfer, bars, words, (8, 0, SMALL_WIDTH, MAX_HEIGHT))
 
 

@@ -274,9 +274,8 @@ def joint_name(scene: Scene, joint: int) -> str:
 def draw_learner(
     scene: Scene, theta: NDArray[np.float64], theta_demo: NDArray[np.float64], assessment: Assessment | None = None
 ) -> str:
-    """Draw a bar per joint with the learner's angle, the demonstrator's mark and the gap. theta, theta_demo: postures
-    of both arms, (m,) rad; the learner does not know theta_demo; assessment: what the learner knows of its joints: an
-    unobservable one has a hatched band."""
+    """Draw a bar per joint with the learner's angle, the demonstrator's mark and the gap. theta, theta_demo: (m,) rad;
+    assessment: what the learner knows of its joints: an unobservable one has a hatched band."""
     rows, columns = [], len(theta) >= MIN_IN_COLUMNS
     band = np.zeros(len(theta))
     if assessment is not None:

@@ -5,7 +5,6 @@ pictures depend on, so that a process that is lost is replaced by another."""
 import threading
 from collections import OrderedDict
 from collections.abc import Callable
-from functools import partial
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from typing import Any
@@ -106,9 +105,14 @@ class RemoteEyes(SimulatedEyes):
         self.world = World(scene, body=load_markers(scene.robot).body)
         rest = np.radians(scene.posture_deg)[scene.moving]
         self._theta = {"lr": rest, "LR": rest}  # where each arm was seen last
-        self.demo_images, self.own_images = partial(self._look, "lr"), partial(self._look, "LR")
         self._looks: OrderedDict[tuple, dict[str, bytes]] = OrderedDict()
         self._lock = threading.Lock()  # of the looks: one thread looks, another draws
+
+    def demo_images(self, theta) -> tuple[NDArray, NDArray]:
+        return self._look("lr", theta)
+
+    def own_images(self, theta) -> tuple[NDArray, NDArray]:
+        return self._look("LR", theta)
 
     def pictures(self, moment: Snapshot) -> dict[str, bytes]:
         """JPEGs by view, of those that are still kept."""

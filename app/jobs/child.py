@@ -125,8 +125,7 @@ UNUSED_S = 120.0  # after which it ends; to begin takes 2 s
 def look_at_scenes(connection: Connection) -> None:
     """Render camera images. It receives (scene, postures of both arms by pair of views, pair, posture of the arm that
     is looked at) and answers ("answer", image points, the two pictures as JPEG, postures afterwards), ("refused", why)
-    for what cannot be, or ("failed", why) for a fault. It ends when the server is gone, or when nobody has looked for a
-    while."""
+    for what cannot be, or ("failed", why) for a fault. It ends with the server, or when nobody looks for a while."""
     stand_back(CAMERA_NICENESS)  # received messages load numpy
     from viewimit.simulation.rendering import RenderedEyes
 

@@ -1,6 +1,7 @@
 """A scene as numbers for the engine in app/lab/engine, to the last digit."""
 
 from collections.abc import Mapping, Sequence
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -55,20 +56,12 @@ def describe_world(world: World, bodies: Mapping[str, BodyPoints]) -> dict[str, 
     free = [k for k, joint in enumerate(chain.joints) if joint.leader is None]
     joints = []
     for k, joint in enumerate(chain.joints):
-        leader = joint.leader
-        joints.append(
-            {
-                "T": _rows(joint.T_parent_joint),
-                "axis": (joint.axis / np.linalg.norm(joint.axis)).tolist(),
-                "joint": free.index(k if leader is None else leader.joint),
-                "multiplier": 1.0 if leader is None else leader.multiplier,
-                "offset": 0.0 if leader is None else leader.offset,
-            }
-        )
-    layouts = {}
-    for name, layout in bodies.items():
-        body = links.points(layout)
-        layouts[name] = [{"on": int(on), "at": at.tolist()} for on, at in zip(body.link, body.local)]
+        turns = joint.leader or SimpleNamespace(joint=k, multiplier=1.0, offset=0.0)
+        axis = (joint.axis / np.linalg.norm(joint.axis)).tolist()
+        led = {"joint": free.index(turns.joint), "multiplier": turns.multiplier, "offset": turns.offset}
+        joints.append({"T": _rows(joint.T_parent_joint), "axis": axis, **led})
+    placed = lambda body: [{"on": int(on), "at": at.tolist()} for on, at in zip(body.link, body.local)]
+    layouts = {name: placed(links.points(layout)) for name, layout in bodies.items()}
     return {
         "title": scene.title,
         "joints": [joint_symbol(joint) for joint in scene.moving_joints],

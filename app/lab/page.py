@@ -23,9 +23,8 @@ MAX_FACES = 12_000  # of each link's mesh; the shipped robots have fewer
 
 
 def lab_page(scene: Scene | None = None, name: str = SHIPPED, ways: Ways = NO_WAYS) -> str:
-    """Return the lab as one HTML page. scene: of the lab, by default the shipped one; presets of other scenes are then
-    left out; name: as settings name that scene; ways: where the header's verbs lead. Raises ValueError for a scene of
-    other than two moving joints, or with lenses that distort."""
+    """Return the lab as one HTML page. scene: of the lab, by default the shipped one, and `name` as settings name it;
+    ways: where the header's verbs lead. Raises ValueError for a scene that the lab cannot compute."""
     given = scene or load_scene(SHIPPED)
     shapes, scenes, chosen = Shapes(), {}, []
     robot = describe_robot(given.robot, shapes, MAX_FACES)

@@ -67,9 +67,8 @@ def bundle(entry: str) -> str:
 
 
 def with_policy(page: str, *inserted: str) -> str:
-    """Let a page's content policy allow its own scripts alone, which it names by their hashes. page: HTML with a policy
-    whose script-src is 'own'; inserted: scripts that the page's own ones insert. Returns the page with the hashes in
-    its policy."""
+    """Let a page's content policy, whose script-src is 'own', allow the page's scripts alone, which it names by their
+    hashes. inserted: scripts that those insert."""
     digests = (hashlib.sha256(script.encode()).digest() for script in (*SCRIPT.findall(page), *inserted))
     names = " ".join(f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests)
     return page.replace("script-src 'own'", f"script-src {names}", 1)
@@ -183,8 +182,7 @@ def _page(title: str, citation: Citation, data: dict[str, Any], meshes: bytes) -
 
 def lab_html(title: str, data: dict[str, Any], meshes: bytes, more_styles: str = "", **parts: str) -> str:
     """Write the lab's page as one file. title: of the window; data: what app/lab/view/main.js unpacks; meshes: bytes of
-    the meshes that the data describe; more_styles: CSS besides the lab's own; parts: HTML by the places of lab.html,
-    which else are empty."""
+    those that the data describe; more_styles: CSS; parts: HTML by the places of lab.html, which else are empty."""
     page = Template(SCRIPTS.joinpath("view", "lab.html").read_text("utf-8"))
     filled = page.substitute(
         dict.fromkeys(PLACES, ""),

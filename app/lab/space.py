@@ -69,19 +69,12 @@ def describe_robot(robot: str, shapes: Shapes, most_faces: int | None = None) ->
 def describe_stage(world: World, shapes: Shapes, postures: Sequence[NDArray[np.float64]]) -> dict[str, Any]:
     """Describe the static parts of a scene. postures: (m,) rad each, which the first view must show."""
     size = world.scene.size
+    placed = lambda solid: {"T": rows_of(np.block([solid.turn, solid.position[:, None]])), "colour": solid.colour}
+    named = lambda label: {"text": label.text, "role": label.role, "at": _plain(label.position)}
     return {
         "size": size,
-        "solids": [
-            {
-                "colour": solid.colour,
-                "T": rows_of(np.block([solid.turn, solid.position[:, None]])),
-                **shapes.add(solid.vertices, solid.faces),
-            }
-            for solid in geometry.solids(world)
-        ],
-        "labels": [
-            {"text": label.text, "role": label.role, "at": _plain(label.position)} for label in geometry.labels(world)
-        ],
+        "solids": [placed(one) | shapes.add(one.vertices, one.faces) for one in geometry.solids(world)],
+        "labels": list(map(named, geometry.labels(world))),
         "frusta": [
             {
                 "role": role,

@@ -56,10 +56,8 @@ class Amount:
 
 
 def _amounts(kind: type[Disturbance]) -> list[Amount]:
-    return [
-        Amount(name, it.label, *it.slider_range, it.slider_scale, it.description)
-        for name, it in disturbances(kind).items()
-    ]
+    named = disturbances(kind).items()
+    return [Amount(name, it.label, *it.slider_range, it.slider_scale, it.description) for name, it in named]
 
 
 _FRAMES = FIELDS["frames"]
@@ -123,8 +121,7 @@ def _converted(angles_deg: tuple[float, ...], scene: Scene, after: Scene) -> tup
 
 
 def _name(joints: tuple[int, ...]) -> str:
-    names = ", ".join(map(svg.joint_symbol, joints))
-    return f"{_number(len(joints))}: {names}"
+    return f"{_number(len(joints))}: {', '.join(map(svg.joint_symbol, joints))}"
 
 
 def _number(count: int) -> str:

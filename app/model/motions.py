@@ -23,8 +23,7 @@ FILE = "viewimit-motion.json"
 
 class Motions:
     """A made-up motion goes about the posture that the demonstrator has. pose(theta): moves the demonstrator;
-    run_in_background(make, take): make what takes long, then take it in the page's own time; send(name, data): a file
-    for the visitor."""
+    run_in_background(make, take): make what takes long, then take it in the page's own time."""
 
     def __init__(
         self, session: Session, pose: Callable[[NDArray], None], run_in_background: RunInBackground, send: Send,

@@ -32,10 +32,9 @@ class Saved(NamedTuple):
 
 
 class PageModel:
-    """settings: what its session begins with; send(name, data): a file for the visitor. generation: how often the world
-    was replaced or the session restarted; inputs: how many of the visitor's commands were applied or rejected, after
-    each of which widgets are written again; tour_offered: to a first visitor; eye(): that looks at the 3-D scene, as
-    the page knows it; is_kept: the page's tab keeps what it is sent of it; unsaved: whether the tab cannot keep it."""
+    """generation: how often the world was replaced or the session restarted; inputs: how many of the visitor's commands
+    were applied or rejected, after each of which widgets are written again; tour_offered: to a first visitor; eye():
+    that looks at the 3-D scene; is_kept: the page's tab keeps what it is sent of it; unsaved: whether it cannot."""
 
     def __init__(self, settings: Settings, services: Services, queue: CommandQueue, send: Send):
         self.begun, self.send = settings, send

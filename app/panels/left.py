@@ -137,9 +137,10 @@ def start(layout: Layout, model: PageModel) -> None:
     folder = layout.folder("Start", lambda model: _angles(given(model.settings.start_deg)))
     with folder:
         with layout.row(quiet=True):
-            offered = lambda model: Rehearsal(model.session).offered
-            layout.button(_rehearsal_look, "rehearsal", offered, hint=HINT)
-            layout.html(lambda model: f'<div class="vi-remembers">{Rehearsal(model.session).words}</div>')
+            seen = lambda model: Rehearsal(model.session)
+            look = lambda model: STOP if seen(model).to_go else FORGET if seen(model).held else WATCH
+            layout.button(look, "rehearsal", lambda model: seen(model).offered, hint=HINT)
+            layout.html(lambda model: f'<div class="vi-remembers">{seen(model).words}</div>')
         inside = layout.gui.add_folder(None)
     sliders = JointSliders(layout, inside, "Start {joint}", "start_joint", "The learner starts again there.")
 
@@ -149,11 +150,6 @@ def start(layout: Layout, model: PageModel) -> None:
 
 def _angles(angles_deg: Sequence[float]) -> str:
     return ", ".join(f"{number(angle, 0)}°" for angle in angles_deg) if len(angles_deg) < MANY else "own"
-
-
-def _rehearsal_look(model: PageModel) -> Look:
-    rehearsal = Rehearsal(model.session)
-    return STOP if rehearsal.to_go else FORGET if rehearsal.held else WATCH
 
 
 def method(layout: Layout, model: PageModel) -> None:

@@ -52,7 +52,9 @@ def share_html(model: PageModel, origin: str | None, is_local: bool = False) -> 
     try:
         address = f"{origin or ''}/?{share_link(model, hides=not model.view.truth)}"
         parts.append(_copied("A link that opens this very state", address))
-        parts.append(_bound(files_named(model.session.script.renamed(told))))
+        if files := html.escape(listed(files_named(model.session.script.renamed(told)))):
+            only = f"It opens only on a server that was started with {files}: no link can hold these files."
+            parts.append(f'<p class="vi-2nd">{only}</p>')
         if origin is not None:
             parts.append(f'<p class="vi-2nd">{ONLY_HERE}</p>' if is_local else "")
             parts.append(_qr(address))
@@ -77,16 +79,6 @@ def _copied(title: str, text: str, lines: bool = False, tells: bool = False) -> 
     button = f'<button type="button" class="vi-copy" aria-label="Copy: {title}">Copy</button>'
     kind, hidden = ' class="vi-code"' if lines else "", ' class="vi-tells"' if tells else ""
     return f'<section{hidden}><h3>{title}</h3>{button}<pre{kind} tabindex="0">{shown}</pre></section>'
-
-
-def _bound(files: list[str]) -> str:
-    """Where a link opens, if not everywhere."""
-    if not files:
-        return ""
-    only = (
-        f"It opens only on a server that was started with {html.escape(listed(files))}: no link can hold these files."
-    )
-    return f'<p class="vi-2nd">{only}</p>'
 
 
 def _qr(address: str) -> str:

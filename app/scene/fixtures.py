@@ -22,8 +22,7 @@ PAPER = {False: np.full(3, 255.0), True: np.full(3, 20.0)}  # what viser draws t
 
 def add_light(scene: SceneApi, look: geometry.Look, shadows: bool = False) -> None:
     """A page's own shadows that of the server, which is there before anything is to be lit: else all is drawn once
-    without it, by programs of its own. shadows: whether the sun casts any, which a browser that renders in software
-    takes twice as long for."""
+    without it. shadows: whether the sun casts any, which takes twice as long where software renders."""
     scene.add_light_hemisphere(
         "/light/sky", sky_color=(245, 244, 255), ground_color=(178, 177, 187), intensity=look.sky, position=(0, 0, 1)
     )

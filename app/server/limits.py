@@ -47,9 +47,8 @@ UNKNOWN = 1  # the address of a client that is gone already, or is none
 
 
 def network_of(peer: tuple | None) -> int:
-    """Return the address that limits count by, of a socket's peer: 64 bits, not 0. A machine may take any of the 2^64
-    addresses of an IPv6 network. So the first half counts; of link-local addresses, which all begin alike, the
-    second."""
+    """Return the address that limits count by, of a socket's peer: 64 bits, not 0. A machine may take any of 2^64 of
+    an IPv6 network: so the first half counts; of link-local addresses, which begin alike, the second."""
     try:
         address = ipaddress.ip_address(peer[0] if peer else "")
     except ValueError:  # as proxies may name a client

@@ -68,8 +68,10 @@ def logged_in(browser, server, **how):
     tab = Tab(browser, server, **{"viewport": LECTURER, **how})
     if how.get("step") == "home":
         tab.sees("You are in the class.")
-    tab.page.click(".class-chip")
-    tab.page.focus(".class-login input")
+        tab.page.click("text=Lecturer: enter the code")
+    else:
+        tab.page.click(".class-chip")
+        tab.page.focus(".class-login input")
     tab.page.keyboard.type(CODE)  # no key of the page acts meanwhile
     tab.page.keyboard.press("Enter")
     tab.page.wait_for_selector(f"{BAR}:not([hidden])")

@@ -7,6 +7,7 @@ import reprlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ from ..simulation.robot import Angles
 from ..simulation.world import World
 
 OwnImages = World | SimulatedEyes  # gives the learner's images at any posture
+Images = TypeVar("Images", World, SimulatedEyes)
 EVALUATED_POINTS = 55_000  # evaluated together, over all postures: their arrays stay in the processor's cache
 STEP_DEG = {"projected": 1.0, "rendered": 10.0}  # of the grid, by sensor; two pictures take a tenth of a second
 PROJECTED_POINTS = 10 * EVALUATED_POINTS  # projected together: their images stay below `KEPT_BYTES`
@@ -158,8 +160,8 @@ def landscape(
 
 
 def seen_from(
-    world: OwnImages, now: Snapshot, by: str | None = None
-) -> tuple[OwnImages, Callable, NDArray[np.float64], NDArray[np.bool_]]:
+    world: Images, now: Snapshot, by: str | None = None
+) -> tuple[Images, Callable, NDArray[np.float64], NDArray[np.bool_]]:
     """Return the first arguments of `conflict_at`, of the demonstrator as the learner now has it. by: the transfer."""
     return world, partial(now.fit, by=by), now.views.demo, now.views.visible[:, :2]
 

@@ -6,7 +6,6 @@
  * 2026-11-28 of a daily one, "" otherwise */
 import {DEGREE, draws, Session} from "../engine/engine.js";
 
-
 /** How far off the referee still says "There", and how many steps may be made. @type {Record<Level, {title: string, says: string, withinDeg: number, tries: number}>} */
 export const LEVELS = {
   easy: {title: "Easy", withinDeg: 5, tries: 10, says: "You see both arms."},

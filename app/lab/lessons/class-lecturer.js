@@ -7,13 +7,12 @@
  * @typedef {{item: string, persons: number, before: number, after: number}} Item */
 import {CHALLENGE, newChallenge} from "./class-challenge.js";
 import {tab} from "./class-link.js";
-import {button, inline, make, plain} from "./dom.js";
+import {button, inline, make, plain, twice} from "./dom.js";
 import {isForPage} from "../view/keys.js";
 import {EnergyMap} from "../view/map.js";
 import {add, energyText, escaped} from "../view/svg.js";
 import {stepsText} from "../view/words.js";
 
-const SURE_MS = 5000; // in which a second press means it
 const TABS = ["Students", "Paths", "Standings", "Gain", "Join", "More"];
 const SORTS = /** @type {Record<string, (one: Person) => number>} */ ({
   place: one => one.at?.number ?? -1, E: one => -(one.at?.E ?? -1), steps: one => -(one.at?.motions ?? 0),
@@ -35,7 +34,6 @@ export class Lecturer {
     this.tab = "";
     this.sort = "place";
     this.note = "";
-    this.sure = "";
     this.bar = document.body.appendChild(make("section", {class: "class-bar", "aria-label": "What the class does", hidden: true}));
     this.panel = document.body.appendChild(make("section", {class: "class-panel", "aria-label": "The class", hidden: true}));
     document.addEventListener("keydown", event => this.#key(event), true);
@@ -190,7 +188,6 @@ export class Lecturer {
   /** @param {string} name */
   open(name) {
     this.tab = name;
-    this.sure = "";
     this.panel.dataset.key = "";
     if (name === "Gain") this.order("do", {what: "gain"});
     if (name === "Join") this.order("invite", {address: /^(localhost|127\.|\[::1\])/.test(location.hostname) ? "" : location.href.replace(/[?#].*/, "")});
@@ -306,28 +303,16 @@ export class Lecturer {
   }
 
   #more() {
-    const twice = (/** @type {string} */ words, /** @type {() => void} */ act) => button(this.sure === words ? `${words}: sure?` : words, () => {
-      if (this.sure === words) {
-        this.sure = "";
-        act();
-      } else {
-        this.sure = words;
-        setTimeout(() => { this.sure = ""; this.panel.dataset.key = ""; this.draw(); }, SURE_MS);
-      }
-      this.panel.dataset.key = "";
-      this.draw();
-    });
     const code = make("input", {type: "password", minlength: 8, maxlength: 100, autocomplete: "new-password", "aria-label": "Another code"});
     const change = (/** @type {Event} */ event) => {
       event.preventDefault();
       if (code.value.trim().length >= 8) this.order("code", {code: code.value});
       code.value = "";
     };
-    const state = () => this.room.screen();
     return make("div", {class: "class-inside class-more"},
       make("h3", {}, "Answers"), make("p", {class: "hint"}, "One line for each answer: person, form, item, phase, answer, right, sure, seconds. Persons are random numbers."),
       make("p", {}, button("Answers as CSV", () => this.order("do", {what: "export"})), twice("Delete all answers", () => this.order("do", {what: "new"}))),
-      make("h3", {}, "All pages"), make("p", {}, button("Send my screen to all, once", () => this.order("state", {state: state(), once: true})), twice("All begin this step again", () => this.order("do", {what: "reset"}))),
+      make("h3", {}, "All pages"), make("p", {}, button("Send my screen to all, once", () => this.order("state", {state: this.room.screen(), once: true})), twice("All begin this step again", () => this.order("do", {what: "reset"}))),
       make("h3", {}, "The lecturer’s code"), make("p", {class: "hint"}, "At least eight letters. All other browsers of lecturers are then logged out."),
       make("form", {class: "class-login", onsubmit: change}, code, make("button", {class: "plain"}, "Change the code")),
       make("h3", {}, "This browser"), make("p", {}, button("Leave: no lecturer here any more", () => {

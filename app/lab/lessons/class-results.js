@@ -2,7 +2,7 @@
  * @import {Results, Tally, Moved, Asked} from "./class.js"
  * @typedef {{asked: Asked, question: any, stage: any, isNarrow: boolean}} About question: one
  * of the eight, null for a step; isNarrow: on a phone, where the answers' own bars have to do */
-import {isRight, rightChoice} from "./answers.js";
+import {isRight, reasonOf, rightChoice} from "./answers.js";
 import {inline, make} from "./dom.js";
 import {fill, measure} from "./measures.js";
 import {escaped} from "../view/svg.js";
@@ -22,7 +22,7 @@ export function resultsOf(results, about) {
     make("span", {class: `round-${k}`}, `${names[k]}, n = ${one.total}${asked.revealed && one.right !== null ? `, ${share(one.right, one.total)} right` : ""}`))));
   if (asked.revealed && ask.kind !== "choice") { // of a choice, question and reasons stay in the card
     said.prepend(make("p", {class: "class-question", html: inline(ask.question)}));
-    if (ask.close && isRight(about.stage) !== true) said.append(make("p", {html: inline(fill(ask.close, about.stage))}));
+    if (reasonOf(ask) && isRight(about.stage) !== true) said.append(make("p", {html: inline(fill(reasonOf(ask), about.stage))}));
   }
   if (asked.revealed) {
     if (results.moved) said.append(movedOf(results.moved, first ? "Since the round before" : "Since the first round"));

@@ -390,7 +390,7 @@ class Classroom {
     if (orders.frozen) return [make("p", {class: "class-note"}, make("b", {}, "The lecturer has frozen this page."))];
     if (this.lesson.state().step !== "home" || !this.link.isOpen) return [];
     return [make("p", {class: "class-note"}, make("b", {}, "You are in the class. "), "Wait for the lecturer, or begin a lesson. ",
-      make("button", {type: "button", class: "link", onclick: () => this.dialog.showModal()}, "Lecturer: enter the code"))];
+      make("button", {type: "button", class: "link", onclick: () => { this.dialog.showModal(); this.code.focus(); }}, "Lecturer: enter the code"))];
   }
 
   /** The answers, once they may be seen here. @param {Asked} asked */
@@ -404,7 +404,7 @@ class Classroom {
 
   #makeDialog() {
     const name = make("input", {type: "text", maxlength: 24, value: browser.get("name") ?? "", autocomplete: "off"});
-    const linked = make("input", {type: "checkbox"}), code = make("input", {type: "password", autocomplete: "off"});
+    const linked = make("input", {type: "checkbox"}), code = this.code = make("input", {type: "password", autocomplete: "off"});
     linked.checked = browser.get("unlinked") !== "yes";
     const tell = () => {
       browser.set("name", name.value.trim() || null);

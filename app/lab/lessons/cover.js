@@ -44,7 +44,7 @@ export class Cover extends StillScreen {
     const minutes = all.reduce((sum, one) => sum + one.minutes, 0);
     body.replaceChildren(make("h2", {tabindex: -1}, all.length < 2 ? "One lesson" : `${all.length} lessons, ${minutes} minutes in all`),
       make("div", {class: "lesson-cards"}, ...all.map(each => pictured({...each.one, minutes: each.minutes}, each.more,
-        each.one === lesson))));
+        each.one === lesson, all.length > 1))));
   }
 
   /** @returns {Button} */
@@ -68,11 +68,11 @@ function actsOn(lesson, {words, done, isAsked}, acts) {
   ];
 }
 
-/** @param {Other} lesson @param {Node[]} more @param {boolean} [isThis] */
-const pictured = ({name, title, about, afterwards, minutes}, more, isThis = false) =>
+/** @param {Other} lesson @param {Node[]} more @param {boolean} isThis @param {boolean} hasOthers */
+const pictured = ({name, title, about, afterwards, minutes}, more, isThis, hasOthers) =>
   make("article", {class: `lesson-card${isThis ? " this" : ""}`}, PICTURES[name] ? make("div", {class: "lesson-picture",
     html: `<svg class="vi" viewBox="0 0 120 72" aria-hidden="true">${PICTURES[name]}</svg>`}) : null,
-  make("small", {class: "hint"}, `${PLACES[name] ? `${PLACES[name][1]}: ` : ""}${minutes} minutes`),
+  make("small", {class: "hint"}, `${hasOthers && PLACES[name] ? `${PLACES[name][1]}: ` : ""}${minutes} minutes`),
   make("h3", {html: inline(title)}), make("p", {html: inline(about)}),
   afterwards ? make("p", {class: "afterwards", html: `<small>Afterwards</small> ${inline(afterwards)}`}) : null,
   ...more);

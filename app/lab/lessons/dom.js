@@ -2,6 +2,7 @@
 import {escaped} from "../view/svg.js";
 
 const SCALE_STEPS = 200, WHOLE = 1 - 1e-9; // of a scale; so that rounding does not put the last step beyond the end
+const SURE_MS = 5000; // in which a second press means it
 
 /** @template {keyof HTMLElementTagNameMap} K @param {K} tag
  * @param {Record<string, any>} [properties] `class`, `aria-…` and `data-…` are attributes, `on…` listeners, `html`
@@ -21,6 +22,16 @@ export function make(tag, properties = {}, ...children) {
 
 /** @param {string} words @param {() => void} act @param {string} [kind] its class */
 export const button = (words, act, kind = "plain") => make("button", {type: "button", class: kind, onclick: act}, words);
+
+/** A button that acts at a second press, which means it. @param {string} words @param {() => void} act */
+export function twice(words, act) {
+  const asked = `${words}: sure?`, made = button(words, () => {
+    if (made.textContent === asked) act();
+    made.textContent = made.textContent === asked ? words : asked;
+    setTimeout(() => { made.textContent = words; }, SURE_MS);
+  });
+  return made;
+}
 
 /** An answer to press, with its key. @param {string} key @param {string} html @param {() => void} take @param {...Node} more */
 export const option = (key, html, take, ...more) => make("button", {type: "button", class: "option", onclick: take},

@@ -4,7 +4,7 @@ and types; checks.py checks the rest."""
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 import msgspec
@@ -219,40 +219,26 @@ def measures_in(words: str) -> list[str]:
     return _BRACES.findall(words)
 
 
-def texts_with_measures(step: Step) -> Iterator[tuple[str, str]]:
-    """Yield (field, words) of all words of a step in which measures may stand."""
-    for name in ("text", "after", "say"):
-        yield f".{name}", getattr(step, name)
-    if step.headline is not None:
-        yield ".headline.label", step.headline.label
-        yield ".headline.note", step.headline.note
-    ask = step.ask
-    yield ".ask.question", ask.question
-    if isinstance(ask, Choice):
-        for k, answer in enumerate(ask.answers):
-            yield f".ask.answers[{k}].because", answer.because
-    if isinstance(ask, Place):
-        for k, other in enumerate(ask.elsewhere):
-            yield f".ask.elsewhere[{k}].because", other.because
-    for name in ("close", "far", "less", "on_line"):
-        words = getattr(ask, name, None)
-        if words:
-            yield f".ask.{name}", words
+def texts_with_measures(step: Step) -> list[tuple[str, str]]:
+    """Return (field, words) of all words of a step in which measures may stand."""
+    ask, headline = step.ask, step.headline
+    found = [(f".{name}", getattr(step, name)) for name in ("text", "after", "say")]
+    found += [(f".headline.{name}", getattr(headline, name)) for name in ("label", "note") if headline is not None]
+    for name in ("answers", "elsewhere"):
+        found += [(f".ask.{name}[{k}].because", one.because) for k, one in enumerate(getattr(ask, name, ()))]
+    said = {name: getattr(ask, name, None) for name in ("question", "close", "far", "less", "on_line")}
+    return found + [(f".ask.{name}", words) for name, words in said.items() if words]
 
 
 def measures_of(step: Step) -> Mapping[str, str]:
     """Return all measures that a step names, each with the field that names it first."""
+    ask, headline = step.ask, step.headline
+    named = [(getattr(ask, name, None), f".ask.{name}") for name in ("truth", "measure", "right", "line")]
+    named += [(one.truth, f".ask.elsewhere[{k}].truth") for k, one in enumerate(getattr(ask, "elsewhere", ()))]
+    named += [] if headline is None else [(headline.measure, ".headline.measure")]
+    named += [(name, field) for field, words in texts_with_measures(step) for name in measures_in(words)]
     found: dict[str, str] = {}
-    for field in ("truth", "measure", "right", "line"):
-        name = getattr(step.ask, field, None)
+    for name, field in named:
         if name is not None:
-            found.setdefault(name, f".ask.{field}")
-    if isinstance(step.ask, Place):
-        for k, other in enumerate(step.ask.elsewhere):
-            found.setdefault(other.truth, f".ask.elsewhere[{k}].truth")
-    if step.headline is not None:
-        found.setdefault(step.headline.measure, ".headline.measure")
-    for field, words in texts_with_measures(step):
-        for name in measures_in(words):
             found.setdefault(name, field)
     return found

@@ -66,6 +66,7 @@ function begin(data) {
   let before = null;
   let isFrozen = false, isLed = false, isHeld = false, isTruthHidden = false, isArriving = false;
   const redraw = perFrame(draw);
+  const isAlone = (data.catalogue ?? data.lessons).length < 2;
   const isLocked = () => isFrozen || isLed, kept = () => store.of(lesson.name);
 
   /** The state of viewimit's page that one came from, as its links have it. */
@@ -243,7 +244,7 @@ function begin(data) {
           : {kind: "end"}),
       });
     } else if (place.kind === "end") screen = new EndScreen($("body"), $("figures"), lesson, kept(), linkTo,
-      following(), () => enter(lesson, {kind: "home"}));
+      following(), {words: isAlone ? "Back to the cover" : "All lessons", key: "↵", filled: true, act: () => enter(lesson, {kind: "home"})});
     else screen = new Cover($("body"), data.lessons, lesson, progressOf, {
       start: one => enter(one, nextOf(one)), steps: one => enter(one, placeOf(one, one.steps[0].id)),
         step: (one, id) => enter(one, {kind: "step", id}),
@@ -320,7 +321,7 @@ function begin(data) {
     $("home").textContent = place.kind === "home" ? "viewimit lessons" : lesson.short;
     $("where").textContent = where;
     $("left").textContent = left();
-    $("leave").title = "Esc";
+    $("home").title = isAlone ? "The cover" : "All lessons";
     $("leave").hidden = place.kind === "home" && !isServed;
     $("leave").firstElementChild.textContent = place.kind !== "home" ? "Leave" : instrument ? "Back to viewimit"
       : "The lab";

@@ -108,8 +108,7 @@ def terms() -> dict[str, str]:
 
 class LabPages:
     """The pages of the lab on a server: the lab itself, and each lesson when it is asked for first. scene, robot: of
-    the lab, as settings name them; own: lessons of a lecturer by name, beside the shipped ones, whose pages are
-    computed at once, which takes seconds."""
+    the lab, as settings name them; own: a lecturer's lessons by name, whose pages are computed at once."""
 
     def __init__(self, scene: str = SHIPPED, robot: str | None = None, own: Mapping[str, Lesson] | None = None):
         self.lessons: Mapping[str, Lesson] = {**(own or {}), **shipped()}

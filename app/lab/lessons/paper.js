@@ -1,7 +1,7 @@
 /** A lesson on paper, as the browser prints it: each step with its pictures, its question and room for the answer; the
  * solutions come on pages of their own.
  * @import {Lesson, Page, FigureUse} from "./stage.js" */
-import {rightChoice} from "./answers.js";
+import {reasonOf, rightChoice} from "./answers.js";
 import {inline, make} from "./dom.js";
 import {ending, table as tableOf} from "./figures/cards.js";
 import {FIGURES} from "./figures/registry.js";
@@ -133,14 +133,14 @@ function answerTo(stage) {
     const right = rightChoice(stage), answer = ask.answers?.[right];
     return answer ? [`<b>${letter(right)})</b> ${inline(fill(answer.because, stage))}`] : [];
   }
-  if (ask.kind === "number") return [`<b>${text}</b>. ${inline(fill((ask.close ?? "").replace(/[^.]*\{your [^.]*\.\s*/g, ""), stage))}`];
+  if (ask.kind === "number") return [`<b>${text}</b>. ${inline(fill(reasonOf(ask), stage))}`];
   if (ask.kind === "pose") return [/** @type {number[]} */ (measure(stage, ask.truth ?? "").value).map((v, k) =>
     `${stage.step.sliders?.[k].label}: <b>${short(v)}°</b>`).join(", ")];
   if (ask.kind === "do") return [`One way: ${[...solution(stage)].map(([name, value]) =>
     `${stage.step.sliders?.find(one => one.name === name)?.label} <b>${short(value)}</b>`).join(", ")}`];
   if (ask.kind === "bet") return [stage.records.runs.map((/** @type {any} */ {holds, because}, /** @type {number} */ k) =>
     `${k + 1} <b>${holds ? "true" : "false"}</b>: ${inline(because)}`).join("<br>")];
-  return ask.close ? [inline(fill(ask.close, stage))] : [];
+  return [inline(fill(reasonOf(ask), stage))].filter(Boolean);
 }
 
 /** @param {number} k */

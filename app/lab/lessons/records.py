@@ -99,19 +99,15 @@ def races(situation: Situation) -> dict[str, Any]:
 @cache
 def landscape(situation: Situation, step_deg: float = MAP_STEP_DEG, transfer: str | None = None) -> Landscape:
     """Compute E over both joints, for the demonstrator in the images at the start."""
-    return landscape_over(*_seen(situation, transfer), grid_axes(situation.world, step_deg))
+    return landscape_over(*seen_from(situation.world, situation.start, transfer), grid_axes(situation.world, step_deg))
 
 
 @cache
 def minima(situation: Situation, transfer: str | None = None) -> Minima:
     """Find the local minima of E, between a coarse grid's postures as well."""
-    seen = _seen(situation, transfer)
+    seen = seen_from(situation.world, situation.start, transfer)
     E_at = lambda theta: conflict_at(*seen, theta)[0]
     return local_minima(landscape(situation, 2 * MAP_STEP_DEG, transfer), E_at)
-
-
-def _seen(situation: Situation, transfer: str | None):
-    return seen_from(situation.world, situation.start, transfer)
 
 
 def bias_deg(situation: Situation, transfer: str | None = None) -> float:
@@ -224,9 +220,8 @@ def rectification_record(situation: Situation) -> dict[str, Any]:
 
 
 def sample_postures(situation: Situation, count: int, seed: int) -> list[Situation]:
-    """Sample `count` postures of both arms from which E can be brought below the situation's goal, if it has one, and
-    whose start is far from it. Raises ValueError if too few are found, as for a goal that hardly any start is far
-    from."""
+    """Sample postures of both arms from which E can be brought below the situation's goal, if it has one, and whose
+    start is far from it. Raises ValueError if too few are found."""
     found: list[Situation] = []
     rng = np.random.default_rng(seed)
     tried = 0

@@ -64,7 +64,7 @@ export class QuestionScreen extends StillScreen {
 export class EndScreen extends StillScreen {
   /** @param {HTMLElement} body @param {HTMLElement} figures @param {Lesson} lesson @param {Kept} kept
    * @param {(step: string) => Link} link
-   * @param {Link | null} next the lesson after this one @param {() => void} leave */
+   * @param {Link | null} next the lesson after this one @param {Button} leave */
   constructor(body, figures, lesson, kept, link, next, leave) {
     super();
     const questions = lesson.questions ?? [], wasAsked = Object.keys(kept.after).length > 0;
@@ -91,5 +91,5 @@ export class EndScreen extends StillScreen {
   }
 
   /** @returns {Button} */
-  primary() { return {words: "All lessons", key: "↵", filled: true, act: this.leave}; }
+  primary() { return this.leave; }
 }

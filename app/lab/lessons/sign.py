@@ -89,12 +89,9 @@ def points_text(world: World, seen: int) -> str:
     """How many points lie on which part of the arm, the parts being those that the moving joints turn."""
     first, second = world.scene.moving_joints
     link = world.body.link
-    parts = {
-        "base": (link < first).sum(),
-        "upper arm": ((link >= first) & (link < second)).sum(),
-        "forearm and hand": (link >= second).sum(),
-    }
-    listed = ", ".join(f"{name} {count}" for name, count in parts.items() if count)
+    names = "base", "upper arm", "forearm and hand"
+    counts = np.bincount(np.searchsorted((first, second), link, side="right"), minlength=3).tolist()
+    listed = ", ".join(f"{name} {count}" for name, count in zip(names, counts) if count)
     return f"{seen}: {listed}"
 
 

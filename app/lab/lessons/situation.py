@@ -83,9 +83,8 @@ class Situation:
 
 
 def move_eyes(scene: Scene, slider: str, value: float) -> Scene:
-    """Return a scene with its eyes moved. Raises ValueError for another slider. slider: "distance", times the distance
-    from the middle between the gaze points, with longer focal lengths, or "baseline", the distance of the eyes from
-    each other [cm]."""
+    """Return a scene with its eyes moved. slider: "distance", times the distance from the middle between the gaze
+    points, with longer focal lengths, or "baseline", the distance of the eyes from each other [cm]."""
     if slider == "distance":
         return _at_distance(scene, value)
     if slider == "baseline":
@@ -94,9 +93,8 @@ def move_eyes(scene: Scene, slider: str, value: float) -> Scene:
 
 
 def _at_distance(scene: Scene, times: float) -> Scene:
-    """Return the scene after a dolly zoom. The head moves back from the middle between its gaze points, to `times` its
-    root mean square distance from them. Focal lengths grow until both arms' points spread as far in the images as
-    before."""
+    """Return the scene after a dolly zoom: the head moves back from the middle between its gaze points, to `times` its
+    distance (rms), and focal lengths grow until both arms' points spread as far in the images as before."""
     head = scene.head
     gazes = np.array([head.gaze_demonstrator, head.gaze_learner])
     middle = gazes.mean(0)

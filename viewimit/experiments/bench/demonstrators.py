@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...simulation.arms import SimulatedArm
-from ...simulation.camera import Cameras, StereoHead
+from ...simulation.camera import Cameras, Lens
 from ...simulation.disturbances import ArmAmounts
 from ...simulation.eyes import SimulatedEyes
 from ...simulation.robot import Angles, BodyPoints, Robot
@@ -123,15 +123,12 @@ def mixed_up(rng: Rng, scene: Scene, points: int) -> SimulatedEyes:
 def other_head(rng: Rng, scene: Scene, points: int) -> SimulatedEyes:
     head, zoom, wider = scene.stereo_head(), rng.uniform(*FOCAL), rng.uniform(*BASELINE)
     shift = rng.uniform(-CENTRE_PX, CENTRE_PX)
-    left, right = (
-        replace(
-            lens, focal=(zoom * lens.focal[0], zoom * lens.focal[1]), centre=(lens.centre[0] + shift, lens.centre[1])
-        )
-        for lens in (head.left, head.right)
-    )
-    other = StereoHead(
-        head.position, wider * head.baseline_m, head.width, head.height, left, right, head.verged, head.toe_in
-    )
+
+    def changed(lens: Lens) -> Lens:
+        (across, down), (x, y) = lens.focal, lens.centre
+        return replace(lens, focal=(zoom * across, zoom * down), centre=(x + shift, y))
+
+    other = replace(head, baseline_m=wider * head.baseline_m, left=changed(head.left), right=changed(head.right))
     return OtherDemonstrator(scene, points, cameras=Cameras(other.gaze(scene.head.gaze_demonstrator)))
 
 

@@ -18,7 +18,7 @@ from ..servo.certificate import MAX_STD_PER_PX
 from ..simulation.autoscene.surface import Surface, choose_layout, parts_of, sample_arm, visible_fraction
 from ..simulation.meshes import Mesh, first_hit
 from ..simulation.robot import BodyPoints, link_meshes
-from ..simulation.world import World
+from ..simulation.world import SimulatedEyes, World
 
 FD_STEP_RAD = 1e-3
 MIN_SINGULAR_VALUE = 1e-9  # relative to the largest: directions below it are unobservable
@@ -72,7 +72,11 @@ def weak_joints(std_per_px: ArrayLike) -> list[int]:
 
 
 def joint_uncertainty(
-    world: World, fit: Callable, demo: NDArray[np.float64], demo_visible: NDArray[np.bool_], theta: ArrayLike
+    world: World | SimulatedEyes,
+    fit: Callable,
+    demo: NDArray[np.float64],
+    demo_visible: NDArray[np.bool_],
+    theta: ArrayLike,
 ) -> NDArray[np.float64] | None:
     """Return the standard error of each joint, (m,) rad/px, under 1 px of noise in the learner's own images.
 

@@ -92,7 +92,7 @@ def make_landscape(world: World, snapshot: Snapshot, step_deg: float = FINE_DEG)
     found = compute_landscape(world, snapshot, step_deg)
     theta, seen = snapshot.theta_demo, seen_from(world, snapshot)
     E_true = float(conflict_at(*seen, theta[:, None])[0, 0])
-    picture = LandscapePicture(found, world.scene, snapshot, TOO_FEW, joint_uncertainty(world, *seen[1:], theta))
+    picture = LandscapePicture(found, world.scene, snapshot, TOO_FEW, joint_uncertainty(*seen, theta))
     coarse = found is not None and step_deg > FINE_DEG
     return MadeLandscape(world, picture, E_true if np.isfinite(E_true) else None, snapshot if coarse else None)
 

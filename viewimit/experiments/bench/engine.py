@@ -7,6 +7,7 @@ A claim is false if it is more than FALSE_DEG and more than N_SIGMA expected err
 
 import hashlib
 import importlib
+import os
 import sys
 import time
 from collections import Counter
@@ -176,6 +177,8 @@ def own_servo(name: str) -> ServoMethod | None:
         return None
     if not colon:
         raise UnknownMethod(f"no servo {name!r}; there are {', '.join(SERVOS)}, or MODULE:OBJECT of your own")
+    if "" not in sys.path and os.getcwd() not in sys.path:
+        sys.path.insert(0, os.getcwd())  # as of `python -m`: a command's first place is the folder that it is in
     try:
         given = getattr(importlib.import_module(module), attribute)
         return servo_method(given() if isinstance(given, type) else given)

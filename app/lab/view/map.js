@@ -10,7 +10,7 @@ const MAX_LEVELS = 7, RANGE = 2000, BRIGHTEST = 1000, DARKEST = 0.01; // E is sh
 const NAME_PX = 7.2, NUMBER_PX = [10, 7]; // of a letter; half width and height of a contour's number
 const NEAR_PX = 12, RING_PX = 11; // of the learner from other marks
 const TICK_PX = 36; // from one angle to the next
-const PAD = {left: 52, top: 8, right: 12, bottom: 35};
+const PAD = {left: 52, top: 8, right: 12, bottom: 37};
 
 /** Marching squares: where a grid of values crosses a level, in grid units.
  * @param {Float64Array} z row by row @param {number} rows @param {number} columns @param {number} level
@@ -194,7 +194,7 @@ export class EnergyMap {
         : `<path class="vi-axis" d="M${left} ${px(b)}h-4"/><text class="vi-2nd vi-end" x="${left - 7}" y="${px(b + 4)}">${text}</text>`;
     }).join("");
     const html = `<rect class="vi-rule" x="${left}" y="${PAD.top}" width="${px(width - left - PAD.right)}" height="${px(bottom - PAD.top)}"/>${ticks(1)}${ticks(0)}
-<text class="vi-2nd vi-mid vi-halo" x="${px((left + width - PAD.right) / 2)}" y="${bottom + 29}">${escaped(joints[1])}</text>
+<text class="vi-2nd vi-mid vi-halo" x="${px((left + width - PAD.right) / 2)}" y="${bottom + 32}">${escaped(joints[1])}</text>
 <text class="vi-2nd vi-mid vi-halo" transform="translate(12 ${px((PAD.top + bottom) / 2)}) rotate(-90)">${escaped(joints[0])}</text>`;
     this.#write(this.standing, html);
   }

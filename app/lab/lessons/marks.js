@@ -6,7 +6,7 @@ import {judged, measure} from "./measures.js";
 import {distance, nearest} from "./measured.js";
 
 const MOVED = 1e-6; // px or rad between a truth as it was judged and as it is now
-const STEP_PX = 3, FAR_PX = 15, PILL_PX = 8.2, NARROW_PX = 400; // that arrow keys move a mark; width of a letter; a drawing whose number is in the card alone
+const STEP_PX = 3, FAR_PX = 15, PILL_PX = 8.2, NARROW_PX = 400; // by arrow keys; of a letter; below, the card alone has the number
 const KEYS = /** @type {Record<string, [number, number]>} */ ({ArrowUp: [0, -1], ArrowDown: [0, 1],
   ArrowLeft: [-1, 0], ArrowRight: [1, 0]});
 

@@ -14,6 +14,7 @@ VERBS = {  # by field: the word, and what is there
     "use": ("Use", "The documentation: your own robot, tracked points, Python"),
     "workbench": ("Workbench", "The page for own robots, every method, and experiments"),
 }
+WHAT = "Here one robot copies the pose of another from image points alone."
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,8 @@ def header(ways: Ways, here: str, with_about: bool = True) -> str:
     if len(parts) == 1 and not with_about:
         return ""
     help_ = (
-        '<button type="button" popovertarget="about" aria-label="Who made this?">?</button>'
-        f'<div id="about" popover>{about(ways)}</div>'
+        '<button type="button" popovertarget="about" aria-label="What is this?">?</button>'
+        f'<div id="about" popover><p>{WHAT}</p>{about(ways)}</div>'
     )
     return f'<nav class="ways" aria-label="Pages">{"".join(parts)}{help_ if with_about else ""}</nav>'
 
@@ -64,11 +65,13 @@ def header(ways: Ways, here: str, with_about: bool = True) -> str:
 def about(ways: Ways) -> str:
     """Return who made this, under which licence, where it comes from, and how to cite it, as HTML."""
     folder = (ways.use or "").removesuffix("index.html")
-    link = lambda page, words: words if ways.use is None else f'<a href="{escape(folder + page)}">{words}</a>'
+    article, package = "", "viewimit"
+    if ways.use is not None:
+        article = f'<a href="{escape(folder)}method.html">The article</a> tells how it works. '
+        package = f'<a href="{escape(folder)}index.html">viewimit</a>'
     return (
         f"<p>viewimit {__version__}, by the viewimit authors. MIT licence. It computes the method of “View-Based"
         " Imitation Learning by Conflict Resolution with Epipolar Geometry” (IROS 2001).</p>"
-        f"<p>{link('method.html', 'The article')} tells how it works. The source comes with the Python package"
-        f" {link('index.html', 'viewimit')}.</p>"
+        f"<p>{article}The source comes with the Python package {package}.</p>"
         f"<p>To cite: The viewimit authors, <i>viewimit</i> {__version__}, software; with the paper above.</p>"
     )

@@ -390,7 +390,7 @@ class Classroom {
     if (orders.frozen) return [make("p", {class: "class-note"}, make("b", {}, "The lecturer has frozen this page."))];
     if (this.lesson.state().step !== "home" || !this.link.isOpen) return [];
     return [make("p", {class: "class-note"}, make("b", {}, "You are in the class. "), "Wait for the lecturer, or begin a lesson. ",
-      make("button", {type: "button", class: "link", onclick: () => { this.dialog.showModal(); this.code.focus(); }}, "Lecturer: enter the code"))];
+      make("button", {type: "button", class: "link", onclick: () => { this.dialog.showModal(); this.code?.focus(); }}, "Lecturer: enter the code"))];
   }
 
   /** The answers, once they may be seen here. @param {Asked} asked */

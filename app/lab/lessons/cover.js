@@ -43,7 +43,7 @@ export class Cover extends StillScreen {
         make("a", {class: "button", href: acts.beside(one.name)}, "Open"))]}))].sort((one, other) => rank(one) - rank(other));
     const minutes = all.reduce((sum, one) => sum + one.minutes, 0);
     body.replaceChildren(make("h2", {tabindex: -1}, all.length < 2 ? "One lesson" : `${all.length} lessons, ${minutes} minutes in all`),
-      make("div", {class: "lesson-cards"}, ...all.map(each => pictured({...each.one, minutes: each.minutes}, each.more,
+      make("div", {class: "lesson-cards"}, ...all.map(each => pictured({...each.one, asked: each.minutes}, each.more,
         each.one === lesson, all.length > 1))));
   }
 
@@ -68,11 +68,12 @@ function actsOn(lesson, {words, done, isAsked}, acts) {
   ];
 }
 
-/** @param {Other} lesson @param {Node[]} more @param {boolean} isThis @param {boolean} hasOthers */
-const pictured = ({name, title, about, afterwards, minutes}, more, isThis, hasOthers) =>
+/** @param {Other & {asked: number}} lesson asked: minutes with its questions @param {Node[]} more @param {boolean} isThis @param {boolean} hasOthers */
+const pictured = ({name, title, about, afterwards, minutes, asked}, more, isThis, hasOthers) =>
   make("article", {class: `lesson-card${isThis ? " this" : ""}`}, PICTURES[name] ? make("div", {class: "lesson-picture",
     html: `<svg class="vi" viewBox="0 0 120 72" aria-hidden="true">${PICTURES[name]}</svg>`}) : null,
-  make("small", {class: "hint"}, `${hasOthers && PLACES[name] ? `${PLACES[name][1]}: ` : ""}${minutes} minutes`),
+  make("small", {class: "hint"}, `${hasOthers && PLACES[name] ? `${PLACES[name][1]}: ` : ""}${minutes} minutes${
+    asked > minutes ? `, with questions ${asked}` : ""}`),
   make("h3", {html: inline(title)}), make("p", {html: inline(about)}),
   afterwards ? make("p", {class: "afterwards", html: `<small>Afterwards</small> ${inline(afterwards)}`}) : null,
   ...more);

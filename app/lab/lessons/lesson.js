@@ -222,6 +222,7 @@ function begin(data) {
 
   function show() {
     screen?.remove();
+    announce("");
     note("");
     $("body").scrollTop = $("figures").scrollTop = 0;
     $("figures").replaceChildren();
@@ -280,7 +281,7 @@ function begin(data) {
       : isAsked ? "Go on with the questions" : "See the end"};
   }
 
-  /** A step that this page has, or that is served beside it, or else its name alone.
+  /** A step that this page has, or that is served beside it; null for another.
    * @param {string} target "lesson/step" */
   function linkTo(target) {
     const [name, id] = target.split("/"), found = data.lessons.find(one => one.name === name),
@@ -288,9 +289,8 @@ function begin(data) {
     if (found && at >= 0) return {words: `${found.short} ${at + 1} →`, href: null, go: () =>
       enter(found, {kind: "step", id})};
     const other = data.catalogue?.find(one => one.name === name && !one.here);
-    const named = `${other?.short ?? name[0].toUpperCase() + name.slice(1)}: ${id.replaceAll("-", " ")}`;
-    return other ? {words: `${named} →`, href: beside(name, `lesson=${name}`, `step=${id}`), go: null}
-      : {words: named, href: null, go: null};
+    return other ? {words: `${other.short}: ${id.replaceAll("-", " ")} →`, go: null,
+      href: beside(name, `lesson=${name}`, `step=${id}`)} : null;
   }
 
   /** The lesson that comes after this one, here or beside this page; null for none. */

@@ -6,7 +6,7 @@ import {judged, measure} from "./measures.js";
 import {distance, nearest} from "./measured.js";
 
 const MOVED = 1e-6; // px or rad between a truth as it was judged and as it is now
-const STEP_PX = 3, FAR_PX = 15, PILL_PX = 8.2; // that arrow keys move a mark; width of a letter
+const STEP_PX = 3, FAR_PX = 15, PILL_PX = 8.2, NARROW_PX = 400; // that arrow keys move a mark; width of a letter; a drawing whose number is in the card alone
 const KEYS = /** @type {Record<string, [number, number]>} */ ({ArrowUp: [0, -1], ArrowDown: [0, 1],
   ArrowLeft: [-1, 0], ArrowRight: [1, 0]});
 
@@ -73,7 +73,7 @@ export class Marks {
       judged(stage, stage.step.headline?.measure ?? "distance in px").text])
       : ask.kind === "predict" && round && !stage.mark ? /** @type {const} */ ([at(round.mark), at(round.to),
         `${Math.hypot(round.mark[0] - round.to[0], round.mark[1] - round.to[1]).toFixed(1)} px`]) : null;
-    if (between && between[0] && between[1]) {
+    if (between && between[0] && between[1] && (ask.kind === "predict" || clientWidth > NARROW_PX)) {
       const [[a, b], [c, d],
         text] = /** @type {[[number, number], [number, number], string]} */ (/** @type {unknown} */ (between)),
         wide = PILL_PX * text.length + 14;
@@ -84,7 +84,7 @@ export class Marks {
     }
     const cross = own ?? (between ? between[0] : null);
     if (cross) {
-      const [x, y] = cross, isLabelRight = x < 110;
+      const [x, y] = cross, isLabelRight = x < 110 || between && between[1] && between[1][0] < x && x < clientWidth - 110;
       html += `<g class="mark-own"><circle cx="${px(x)}" cy="${px(y)}" r="11"/><path d="M${px(x - 17)} ${px(y)}h11m12 0h11M${px(x)} ${px(y - 17)}v11m0 12v11"/></g>
 <text class="mark-name vi-halo${isLabelRight ? "" : " vi-end"}" x="${px(x + (isLabelRight ? 23 : -23))}" y="${px(y + 5)}">your mark</text>`;
     }

@@ -2,8 +2,7 @@
  * @import {Question} from "./stage.js"
  * @typedef {{answer: number, right: boolean, sure: boolean, seconds: number}} Given answer: its index in the file
  * @typedef {Record<string, Given>} Givens by the question's id
- * @typedef {{words: string, go: (() => void) | null, href: string | null}} Link to a step or a lesson; without go
- * and href it is its name alone */
+ * @typedef {{words: string, go: (() => void) | null, href: string | null}} Link to a step or a lesson */
 import {button, inline, make, option} from "./dom.js";
 import {shuffledOrder} from "./stage.js";
 
@@ -17,7 +16,7 @@ export const orderOf = ({answers}, k, person, phase) =>
 /** @param {Link} to @param {string} look the class of a button */
 export const linked = ({words, go, href}, look) => go
   ? button(words, go, look)
-  : href ? make("a", {href, class: look === "plain" ? "button" : null}, words) : make("span", {class: "hint"}, words);
+  : make("a", {href, class: look === "plain" ? "button" : null}, words);
 
 /** How many are right. @param {Question[]} questions @param {Givens} given */
 export const rightOf = (questions, given) => questions.filter(({id}) => given[id]?.right).length;
@@ -35,11 +34,11 @@ export function outcome(questions, before, after) {
   const count = questions.length, pre = rightOf(questions, before), post = rightOf(questions, after),
     g = gain(pre, post, count);
   const isPaired = questions.every(({id}) => before[id] && after[id]);
-  if (!isPaired) return {large: `${post} of ${count}`,
+  if (!isPaired) return {label: "Right after", large: `${post} of ${count}`,
     words: "You did not answer all questions both before and after, so there is no gain to state."};
   const words = g === null ? "You had all of them right before." : `Gain ${g.toFixed(2).replace("-", "−")}: ${post >= pre
     ? `of the ${count - pre} that you had wrong, ${post - pre} more ${post - pre === 1 ? "is" : "are"} right now.` : "fewer are right now than before."}`;
-  return {large: `${pre} → ${post} of ${count}`, words:
+  return {label: "Right before, right after", large: `${pre} → ${post} of ${count}`, words:
     `${words} Guessed: ${guessedOf(questions, before)} of ${count} → ${guessedOf(questions, after)} of ${count}.`};
 }
 
@@ -88,7 +87,7 @@ export function questionOf(question, order, now, changed) {
 }
 
 /** The review: the right answer of each question, one sentence why, and the step that shows it.
- * @param {Question[]} questions @param {Givens} before @param {Givens} after @param {(step: string) => Link} link */
+ * @param {Question[]} questions @param {Givens} before @param {Givens} after @param {(step: string) => Link | null} link */
 export function reviewOf(questions, before, after, link) {
   const mark = (/** @type {Given | undefined} */ given) =>
     make("span", {class: given ? given.right ? "yes" : "no" : "none", role: "img", "aria-label": given

@@ -63,7 +63,7 @@ export class QuestionScreen extends StillScreen {
 /** What one can say now, and the review of the questions. */
 export class EndScreen extends StillScreen {
   /** @param {HTMLElement} body @param {HTMLElement} figures @param {Lesson} lesson @param {Kept} kept
-   * @param {(step: string) => Link} link
+   * @param {(step: string) => Link | null} link
    * @param {Link | null} next the lesson after this one @param {Button} leave */
   constructor(body, figures, lesson, kept, link, next, leave) {
     super();
@@ -72,11 +72,11 @@ export class EndScreen extends StillScreen {
     const says = make("ul", {class: "says"}, ...lesson.steps.map(({say, id}) =>
       make("li", {class: kept.steps[id]?.revealed ? "" : "open", html: inline(say.replace(/\{[^}]*\}/g, "…"))})));
     if (questions.length && wasAsked) {
-      const {large, words} = outcome(questions, kept.before, kept.after),
+      const {label, large, words} = outcome(questions, kept.before, kept.after),
         missed = questions.filter(({id}) => kept.after[id] && !kept.after[id].right);
-      const first = missed.map(({step}) => step ? link(step) : null).find(one => one?.go || one?.href);
+      const first = missed.map(({step}) => step ? link(step) : null).find(Boolean);
       body.replaceChildren(make("h2", {tabindex: -1}, "Eight questions, before and after"),
-        make("div", {class: "headline"}, make("span", {}, "Right before, right after"), make("strong", {}, large),
+        make("div", {class: "headline"}, make("span", {}, label), make("strong", {}, large),
         make("small", {}, words)));
       if (first) body.append(linked({...first, words: `Go to ${first.words}`}, "plain"));
       figures.replaceChildren(reviewOf(questions, kept.before, kept.after, link), make("h3", {}, "Now you can say"),

@@ -70,8 +70,8 @@ export class Curve extends Plot {
     const line = (/** @type {number} */ from, /** @type {number} */ to) => polyline(places.slice(from, to + 1));
     const probes = history.slice(0, -1).map(({probe}, k) => probe && E.length <= MAX_DOTS && Number.isFinite(E[k])
       ? `<circle class="vi-probe-E" cx="${px(xs[k])}" cy="${px(y(E[k]))}" r="2.4"/>` : "").join("");
-    const labels = [top, top / Math.exp(scale)].map(E => this.label(energyText(E), y(E))).join("")
-      + (height > 3 * ROOM_PX ? this.label("log", height / 2) : "");
+    const labels = (all.length > 1 ? [top, top / Math.exp(scale)] : [top]).map(E => this.label(energyText(E), y(E))).join("")
+      + (all.length > 1 && height > 3 * ROOM_PX ? this.label("log", height / 2) : "");
     const rest = at < E.length - 1 ? `<path class="vi-line-E vi-later" d="${line(at, E.length - 1)}"/>` : "";
     const truth = least === null ? ""
       : `<path class="vi-line-demo" d="M${this.axis.left} ${px(y(Math.max(least, MIN_E)))}H${width - PAD.right}"/>`;

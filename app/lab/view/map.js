@@ -10,7 +10,7 @@ const MAX_LEVELS = 7, RANGE = 2000, BRIGHTEST = 1000, DARKEST = 0.01; // E is sh
 const NAME_PX = 7.2, NUMBER_PX = [10, 7]; // of a letter; half width and height of a contour's number
 const NEAR_PX = 12, RING_PX = 11; // of the learner from other marks
 const TICK_PX = 36; // from one angle to the next
-const PAD = {left: 52, top: 8, right: 12, bottom: 31};
+const PAD = {left: 52, top: 8, right: 12, bottom: 35};
 
 /** Marching squares: where a grid of values crosses a level, in grid units.
  * @param {Float64Array} z row by row @param {number} rows @param {number} columns @param {number} level

@@ -20,7 +20,7 @@ import {Plane} from "./plane.js";
 const TICK = 12, NAME = 13; // letters, drawing units
 const MOST_DOTS = 80; // of a curve, of which each point is drawn
 const ROOM = 20; // over the axes, for the name of y
-const LOW = 104, LINE = 15; // a drawing that is lower has a list of names beside its curves; a line of that list
+const LOW = 104, LINE = 15; // a drawing that is lower has a list of names beside its curves, and no ticks under a half; a line of that list
 const MIN_TICK_GAP = 16; // units, of ticks of y
 
 export class Chart {
@@ -32,11 +32,11 @@ export class Chart {
   /** @param {Axes} axes @param {Curve[]} curves @param {string} label */
   draw(axes, curves, label) {
     const {width, height} = this.plane, names = new Names([0, 0, width, height]), isLow = height < LOW;
-    const ticks = isLow ? [] : round(axes.y, axes.log);
+    const ticks = height < LOW / 2 ? [] : round(axes.y, axes.log);
     const list = isLow ? curves.filter(({name, role}) => name && role !== "bar") : [];
     const listed = list.length ? Math.max(...list.map(({name = ""}) => widthOf(name, true, TICK))) + 22 : 0;
-    const left = 14 + Math.max(...ticks.map(value => widthOf(tickText(value), false, TICK)));
-    const box = isLow ? [6, 12, width - 8 - listed, height - 8]
+    const left = ticks.length && 14 + Math.max(...ticks.map(value => widthOf(tickText(value), false, TICK)));
+    const box = isLow ? [left || 6, 12, width - 8 - listed, height - 8]
       : [left, 10 + (axes.yName ? ROOM : 0), width - 14, height - (axes.xName ? 36 : 22)];
     const up = (/** @type {number} */ v) => axes.log ? Math.log(Math.max(v, 1e-12)) : v, [low, high] = axes.y.map(up);
     const x = (/** @type {number} */ v) => box[0] + (v - axes.x[0]) / (axes.x[1] - axes.x[0]) * (box[2] - box[0]);

@@ -18,7 +18,7 @@ const words = (kind, aspect, write) => ({layers: [], aspect, create: written(kin
 /** E, and how near the crossing is to the learner's own point and to the ghost's. */
 export const counts = words("draw-counts", 2.6, stage => {
   const of = (/** @type {string} */ name) => stage.isRevealed ? measure(stage, name).text : "?";
-  const rows = [["E", measure(stage, "E").text, "draw-name-E"],
+  const rows = [["Conflict E", of("E"), "draw-name-E"],
     ["Crossing to the ghost", of("crossing to ghost"), ""], ["Crossing to own point", of("crossing to own point"), ""]];
   const html = rows.map(([name, value, kind]) =>
     `<div><dt>${escaped(name)}</dt><dd class="${kind}">${escaped(value)}</dd></div>`).join("");

@@ -73,15 +73,7 @@ class Gui(QuietHandle):
 class QuietPage:
     """Ticked by hand, in a clock of its own."""
 
-    def __init__(
-        self,
-        settings=None,
-        landscapes=None,
-        shared=None,
-        scripts=None,
-        experiments=None,
-        gui=None,
-    ):
+    def __init__(self, settings=None, landscapes=None, shared=None, scripts=None, experiments=None, gui=None):
         self.client, self.now, self.acted, self._tab = QuietClient(id(self)), 100.0, 0, Tab()
         self.client.gui = self.gui = gui or Gui()
         given = {"landscapes": landscapes, "experiments": experiments, "scripts": scripts}

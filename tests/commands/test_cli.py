@@ -215,10 +215,7 @@ BAD_INPUT = [
     ("imitate --joints 2,9", "--joints: .*joints 2, 9 must ascend, within 1 … 7"),
     ("imitate --demonstrator 45,20", "--demonstrator: its joint 4 at 20° is outside its limits -180° … 0°"),
     ("imitate --start 45,-20 --workspace-deg 50:90,-30:0", "--start: the start posture is outside the workspace"),
-    (
-        "imitate --workspace-deg 0:90",
-        "--workspace-deg: workspace_deg needs a range for each of the 2 moving joints",
-    ),
+    ("imitate --workspace-deg 0:90", "--workspace-deg: workspace_deg needs a range for each of the 2 moving joints"),
     ("imitate --workspace-deg -10:90,-90:0", "range 1, -10° … 90°, is not inside its joint's limits 0° … 90°"),
     ("imitate --max-step-deg 0", "--max-step-deg: max_step_deg must be between 0.01 and 360"),
     ("imitate --start 1,-2,3", "--start: its posture needs 2 angles, of joints 2, 4, got 3"),

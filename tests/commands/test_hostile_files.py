@@ -93,10 +93,7 @@ SCENES = [
     ("a = 1 #" + '"' * 3 * 100_000 + "\na" + ".a" * 20_000 + " = 1", "a name of more than 32 parts"),
     ("a = " + "[" * 400 + "]" * 400, "own.toml"),
     ('extends = "panda"\n[head]\nundistort = [11, 0]', "head.left: a distortion of k1 11, k2 0 is none of a lens"),
-    (
-        'extends = "panda"\n[head.right]\ndistortion = [0, 1e5]',
-        "head.right: a distortion of k1 0, k2 100000 is none",
-    ),
+    ('extends = "panda"\n[head.right]\ndistortion = [0, 1e5]', "head.right: a distortion of k1 0, k2 100000 is none"),
     (head(focal=0), "head.focal must be more than 0"),
     (head(focal=-600.0), "head.focal must be more than 0"),
     (head(focal=1e-300), "head.focal must be more than 0"),

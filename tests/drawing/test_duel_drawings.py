@@ -5,10 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from drawn import (
-    parsed,
-    words,
-)
+from drawn import parsed, words
 from viewimit.app.drawing import duel as duel_drawing
 from viewimit.app.drawing import landscapes
 from viewimit.app.model.player import Duel, Player

@@ -5,27 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from drawn import (
-    BIASES_EPIPOLAR,
-    CURVE,
-    OWN_TRACE,
-    SOLID,
-    TRUE,
-    marked,
-    numbers,
-    only,
-    parsed,
-    paths,
-    words,
-)
+from drawn import BIASES_EPIPOLAR, CURVE, OWN_TRACE, SOLID, TRUE, marked, numbers, only, parsed, paths, words
 
 from viewimit.drawing import plots
 from viewimit.experiments import EXPERIMENTS
-from viewimit.experiments.paper import (
-    fig7,
-    fig9,
-    fig10,
-)
+from viewimit.experiments.paper import fig7, fig9, fig10
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 

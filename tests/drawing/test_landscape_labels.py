@@ -4,14 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from drawn import (
-    INSET,
-    LABELS,
-    LEARNERS_PATH,
-    marked,
-    parsed,
-    path,
-)
+from drawn import INSET, LABELS, LEARNERS_PATH, marked, parsed, path
 
 from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.drawing.labels import CHARACTER, LINE

@@ -6,13 +6,7 @@ import pytest
 from viewimit.drawing.plots import describe_settings
 from viewimit.loop.session import Session
 from viewimit.loop.settings import DISTURBANCES, Settings
-from viewimit.simulation.disturbances import (
-    OUTLIER_PX,
-    ArmDisturbance,
-    ImageDisturbance,
-    disturb,
-    drive,
-)
+from viewimit.simulation.disturbances import OUTLIER_PX, ArmDisturbance, ImageDisturbance, disturb, drive
 
 POINTS, SEEN = np.zeros((5000, 4)), np.ones((5000, 2), bool)
 

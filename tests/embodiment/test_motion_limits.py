@@ -214,8 +214,7 @@ def test_settings_that_limit_nothing_are_refused(fields, why):
 
 
 @given(
-    target=strategies.lists(strategies.floats(-3, 3), min_size=2, max_size=2),
-    longest_rad=strategies.floats(1e-3, 4),
+    target=strategies.lists(strategies.floats(-3, 3), min_size=2, max_size=2), longest_rad=strategies.floats(1e-3, 4)
 )
 def test_waypoints_lead_straight_to_the_target_by_as_few_motions_as_that_takes(target, longest_rad):
     start, target = np.array([0.3, -0.2]), np.array(target)

@@ -14,13 +14,7 @@ import viewimit
 from viewimit.drawing.curves import draw_curves
 from viewimit.drawing.export import figures
 from viewimit.drawing.export.citation import cite
-from viewimit.drawing.export.figures import (
-    can_typeset,
-    four_images,
-    overlay,
-    stack,
-    svg_elements,
-)
+from viewimit.drawing.export.figures import can_typeset, four_images, overlay, stack, svg_elements
 from viewimit.drawing.export.panels import Appearance, make_landscape
 from viewimit.drawing.export.perspective import Viewpoint, default_viewpoint, draw_space
 from viewimit.drawing.images.panel import draw_images

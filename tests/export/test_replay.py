@@ -104,11 +104,7 @@ def test_it_says_what_repeats_it_and_tells_no_folder(tmp_path, ask_json):
     [
         (Settings.paper(servo="gradient-retuned", start_deg=(25, -45)), 100, "no-progress"),
         (Settings.paper(points=16, missing=0.75, transfer="linear"), 3, "too-few-points"),
-        (
-            Settings(joints=(1, 2, 3, 4, 5, 6, 7), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30)),
-            3,
-            "",
-        ),
+        (Settings(joints=(1, 2, 3, 4, 5, 6, 7), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30)), 3, ""),
     ],
 )
 def test_long_failed_and_many_jointed_runs_are_small(settings, motions, status):

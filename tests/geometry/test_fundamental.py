@@ -5,12 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from stereo_heads import UNLIKE, fundamental_of, head, matches, up_to_scale
 
-from viewimit.geometry.fundamental import (
-    epipoles,
-    fit_fundamental,
-    fit_fundamental_with_prior,
-    sampson_distance,
-)
+from viewimit.geometry.fundamental import epipoles, fit_fundamental, fit_fundamental_with_prior, sampson_distance
 
 
 @pytest.mark.parametrize("stereo", [head(0), head(12), head(3, *UNLIKE), head(20, *UNLIKE)])

@@ -5,12 +5,7 @@ import pytest
 from stereo_heads import UNLIKE, fundamental_of, head, matches
 
 from viewimit.geometry.fundamental import sampson_distance
-from viewimit.geometry.robust_fit import (
-    MIN_THRESHOLD_PX,
-    OUTLIER_SIGMA,
-    all_inliers,
-    detect_outliers,
-)
+from viewimit.geometry.robust_fit import MIN_THRESHOLD_PX, OUTLIER_SIGMA, all_inliers, detect_outliers
 
 HEADS = {"parallel": head(0), "parallel, unlike": head(0, *UNLIKE), "toed-in": head(12), "both": head(9, *UNLIKE)}
 CLEAR = 4 * OUTLIER_SIGMA  # times the noise: nothing between OUTLIER_SIGMA and that is judged here

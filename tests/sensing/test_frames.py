@@ -5,11 +5,7 @@ import pytest
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.sensing.frames import (
-    MAX_LATENCY_LOOKS,
-    average_frames,
-    estimate_latency,
-)
+from viewimit.sensing.frames import MAX_LATENCY_LOOKS, average_frames, estimate_latency
 from viewimit.simulation.disturbances import ImageDisturbance, disturb, disturbed_frames
 
 TRUE = np.random.default_rng(0).uniform(0, 240, (200, 4))

@@ -7,14 +7,7 @@ import sys
 import pytest
 from protocol import Client
 from viewimit.app.server import address as address_module
-from viewimit.app.server.address import (
-    PortInUse,
-    address_for_others,
-    invite,
-    is_loopback,
-    path_of_page,
-    require_free,
-)
+from viewimit.app.server.address import PortInUse, address_for_others, invite, is_loopback, path_of_page, require_free
 from waiting import wait_until
 
 

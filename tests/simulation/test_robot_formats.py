@@ -8,10 +8,7 @@ import pytest
 from urdfs import arm, write
 
 from viewimit.simulation.scene import load_robot, load_scene
-from viewimit.simulation.urdf.reference import (
-    description_path,
-    require_urdf,
-)
+from viewimit.simulation.urdf.reference import description_path, require_urdf
 
 
 @pytest.mark.parametrize("load", [load_robot, load_scene])

@@ -144,7 +144,10 @@ def _study(part: str, args: argparse.Namespace, in_scene: dict[str, Any]) -> tup
                                  if (why := engine.cannot_run(case, servo)))  # fmt: skip
         runs = _runs(part, cases, methods, args, in_scene)
     with naming("PATH"):
-        found = engine.summarise(runs, group.measures)
+        try:
+            found = engine.summarise(runs, group.measures)
+        except KeyError as missing:
+            raise ValueError(f"{path}: without {missing.args[0]} these are runs of another group than {part}") from None
     if args.csv:
         with naming("--csv"):
             report.write_runs(runs, _path(args.csv, part, args))

@@ -200,7 +200,7 @@ def _fit_shortfall(
         there = replace(problem, observations=replace(problem.observations, displacement=found.reached(sent)))
         if there.fits_noise(kinematics):
             return kinematics, found
-        before, seen = kinematics, there.observations.visible_in_both.any(0)
+        before, seen = kinematics, np.asarray(there.observations.visible_in_both.any(0))
         kinematics = with_likely_chains(kinematics, there, seen)
         if kinematics is before:
             break

@@ -372,7 +372,7 @@ def fit_similarity(source: Array, target: Array, mirror: bool = False) -> Array:
     return S
 
 
-def metric_points(A: Array, coordinates: Array) -> Array:
+def metric_points(A: NDArray[Any], coordinates: Array) -> Array:
     """Map coordinates (..., N, 3) in the stereo frame to metric ones by A, (..., 4, 4)."""
     h = np.concatenate([coordinates, np.ones((*coordinates.shape[:-1], 1))], -1) @ A.swapaxes(-1, -2)
     return h[..., :3] / np.maximum(h[..., 3:], MIN_DENOMINATOR)

@@ -158,15 +158,15 @@ def _lab_of(model: PageModel) -> str:
 
 
 def draw_small(model: PageModel) -> str:
-    """For a window that is too small for the instrument: the lab in the same state. layout.css shows it."""
+    """For a window that is too small for the Workbench: the lab in the same state. layout.css shows it."""
     said, lacking = "The lab shows the same on any screen.", lab_lacks(model.snapshot)
     if lacking:
         instead = "the paper's experiment" if lab_address(model.snapshot) is None else "these poses without it"
         said = f"The lab does not have {and_others(lacking)}. It opens with {instead}."
     return (
-        '<div class="vi-small" role="dialog" aria-label="A small window"><p>This window is small for the instrument.'
+        '<div class="vi-small" role="dialog" aria-label="A small window"><p>This window is small for the Workbench.'
         f' {escape(said)}</p><a href="{escape(_lab_of(model))}">Open the lab</a>'
-        '<button type="button">Open the instrument anyway</button></div>'
+        '<button type="button">Open the Workbench anyway</button></div>'
     )
 
 

@@ -323,7 +323,7 @@ document.addEventListener("pointermove", event => {
   pointer.style.translate = `${event.clientX}px ${event.clientY}px`;
 });
 
-// In a small window the lab is offered, until the visitor prefers the instrument
+// In a small window the lab is offered, until the visitor prefers the Workbench
 const ANYWAY = "vi-anyway";
 try { root.classList.toggle(ANYWAY, sessionStorage.getItem(ANYWAY) !== null); } catch { /* no storage: offered again */ }
 document.addEventListener("click", ({target}) => {

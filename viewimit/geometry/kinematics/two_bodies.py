@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 N_SIMILARITY = 7  # rotation vector, translation, logarithm of the scale
 MIN_METRIC = 1e-6  # smallest eigenvalue of a metric, relative to the largest
 LEFT_OPEN = 1e-12  # eigenvalue of the information, relative to the largest, that rounding leaves where there is none
-MAX_ITER = 200  # a nearly flat body leaves a narrow valley
+MOST_STEPS = 200  # a nearly flat body leaves a narrow valley
 FTOL = 1e-5  # share of the cost: what angles still gain is far below their standard deviation
 
 
@@ -272,7 +272,7 @@ class PairAdjustment:
         weights[len(weights) - added :] = weights[0] if np.isinf(spread) else (self.own.noise_px / spread) ** 2
         return weights
 
-    def solve(self, initial: BodyPair, max_iter: int = MAX_ITER) -> BodyPair:
+    def solve(self, initial: BodyPair, max_iter: int = MOST_STEPS) -> BodyPair:
         """Minimise the residuals from this pair, in at most `max_iter` steps."""
         return levenberg_marquardt(initial, self.residuals, self.prior_weights(initial), FTOL, max_iter)
 

@@ -17,15 +17,6 @@ _RULE = (
     r"\mathrm{loss}=\varepsilon+w\,Φ\!\left(\tfrac{\log(\varepsilon/\varepsilon_c)}{s}\right)"
     r"+a\cdot\mathrm{steps}+b\cdot\mathrm{way}"
 )
-PURPOSES = {
-    Purpose.PROBE: "This step, ({step}), is a test move: it shows what the joint moves.",
-    Purpose.GROW: "This step, ({step}), shows more: the pictures so far are too few.",
-    Purpose.NAME: "This step, ({step}), shows more: the demonstrator's points could not be named yet.",
-    Purpose.LOOK: "This step, ({step}), is a look from elsewhere: it lowers the expected error by more than it costs.",
-    Purpose.ARRIVE: "This step, ({step}), goes to the likeliest pose.",
-    Purpose.FOLLOW: "This step, ({step}), goes to where the demonstrator will be.",
-    Purpose.NEAREST: "This step, ({step}), goes to the smallest E: the pictures leave a joint open.",
-}
 DOES = {
     Purpose.PROBE: TEST_MOVE,
     Purpose.GROW: "It moves to see more, because the pictures so far are too few.",
@@ -60,8 +51,7 @@ def equations(state: EstimatorState | None, motion: LastMotion) -> tuple[Equatio
     known = plural("{n} picture of its own body.", "{n} pictures of its own body.", n).format(n=n)
     note = sentences(known, _says(state))
     likelihood = Equation("", "all pictures, one likelihood", _LIKELIHOOD, note=note, wide=True)
-    text = PURPOSES.get(state.purpose, "") if motion.moved.any() else ""
-    note = text.format(step=angles(motion.moved))
+    note = f"Step ({angles(motion.moved)}). {DOES[state.purpose]}" if motion.moved.any() else ""
     if state.certificate is None or not np.isfinite(error := state.certificate.std_error.max()):
         return likelihood, Equation("", "rule: the least expected loss", _RULE, note=note, wide=True)
     latex = rf"{_RULE},\quad\varepsilon={HOLE}"

@@ -24,7 +24,7 @@ from ...geometry.kinematics.adjustment import BundleAdjustment
 from ...geometry.kinematics.clusters import Observations
 from ...geometry.kinematics.maximum_likelihood import Likely, likely_kinematics
 from ...geometry.kinematics.model import ProjectiveKinematics
-from ...geometry.kinematics.two_bodies import MAX_ITER, BodyPair, PairAdjustment
+from ...geometry.kinematics.two_bodies import MOST_STEPS, BodyPair, PairAdjustment
 
 Array = NDArray[np.float64]
 FEW_STEPS = 25  # that show whether a start leads anywhere
@@ -93,7 +93,7 @@ class CommonAdjustment:
             return None
         return cls(problem, likely.kinematics, likely.cost, likely.variance(problem.own))
 
-    def fit(self, start: BodyPair, max_iter: int = MAX_ITER) -> PairFit:
+    def fit(self, start: BodyPair, max_iter: int = MOST_STEPS) -> PairFit:
         """Fit from one pair, in at most `max_iter` steps."""
         pair = self.problem.solve(start, max_iter)
         unwound = pair.unwound(start.angles)

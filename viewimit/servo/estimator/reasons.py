@@ -25,14 +25,21 @@ from ...geometry.kinematics.adjustment import MIN_POINTS, NOISE_FLOOR_PX, Bundle
 from ...geometry.kinematics.clusters import Observations
 from ...geometry.kinematics.disturbed import N_LENS, fit_lens
 from ...geometry.kinematics.model import N_FRAME, ProjectiveKinematics
-from ...geometry.kinematics.two_bodies import MAX_ITER, SAME, BodyPair, Difference, fit_homography, reverses_orientation
+from ...geometry.kinematics.two_bodies import (
+    MOST_STEPS,
+    SAME,
+    BodyPair,
+    Difference,
+    fit_homography,
+    reverses_orientation,
+)
 from ..least_squares import posture_grid
 from ..misfit import LinkChange, Misfit, MisfitKind
 from ..observation import Observation
 from .pair_fit import FEW_STEPS, MAX_SIGMAS, CommonAdjustment, PairFit, PostureEstimate, fit_same_body
 
 Array = NDArray[np.float64]
-FEW_ITER = 4  # steps that show which points fit best
+FIRST_STEPS = 4  # steps that show which points fit best
 N_FINISHED = 2  # reasons that are fitted to the end, after few steps of each
 FD_STEP = 1e-6  # of differences of a link's length
 N_FUNDAMENTAL = 7  # unknowns of a fundamental matrix, which a rectification rests on
@@ -179,7 +186,9 @@ class Reasons:
         for kind, choices in ((MisfitKind.POINT, single), (MisfitKind.LINK_POINTS, several)):
             if choices := [points for points in choices if len(points) <= free]:
                 freed = partial(self._with_points, kind, len(choices))
-                yield freed(min((freed(points, FEW_ITER) for points in choices), key=lambda one: one.criterion).points)
+                yield freed(
+                    min((freed(points, FIRST_STEPS) for points in choices), key=lambda one: one.criterion).points
+                )
 
     def _with_points(
         self, kind: MisfitKind, choices: int, points: tuple[int, ...], max_iter: int = FEW_STEPS
@@ -260,7 +269,7 @@ def _fit_other_head(adjustment: CommonAdjustment, same: BodyPair) -> PairFit:
 
 
 def _fit_another_body(
-    adjustment: CommonAdjustment, same: BodyPair, other_head: PairFit, max_iter: int = MAX_ITER
+    adjustment: CommonAdjustment, same: BodyPair, other_head: PairFit, max_iter: int = MOST_STEPS
 ) -> PairFit:
     """Fit another body, from the pair of like bodies and from that of another head: it absorbs more of what differs."""
     other = other_head.pair

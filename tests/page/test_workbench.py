@@ -205,6 +205,8 @@ class TestWithTheMouse:
             page.wait_for_timeout(600)  # so that the replay shows each for long enough
         click(page, "Stop")
         wait(page, lambda: "recorded: " in page.text_content(MOTION))
+        set_number(page, "θ₂", 30)  # so that 65° is where the motion has led it
+        wait(page, lambda: demonstrator(page) == 30)
         click(page, "Move the demonstrator")
         wait(page, lambda: demonstrator(page) == 65 and "Moving the demonstrator" not in status(page))
         set_number(page, "Time (s)", 0)

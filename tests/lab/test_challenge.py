@@ -242,7 +242,7 @@ def test_a_challenge_made_here_is_played_there_by_touch_and_by_keys(browser, add
     assert keys.inner_text(".best") == "Best on this device: 2 steps."
     keys.reload()
     keys.click("text=Give up")
-    assert keys.is_visible(".playing")  # until the second press
+    assert keys.is_visible("section.playing")  # until the second press
     keys.click("text=Give up: sure?")
     assert "practice" in keys.inner_text(".best")
     keys.click("text=How did the robot do it?")

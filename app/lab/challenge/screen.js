@@ -1,6 +1,6 @@
 /** A challenge on the page: pictures, two sliders and Go, and how it ended. */
 import {recovered, World} from "../engine/engine.js";
-import {button, make, twice} from "../lessons/dom.js";
+import {button, confirming, make} from "../lessons/dom.js";
 import {Images} from "../view/images.js";
 import {copy} from "../view/page.js";
 import {say} from "../view/svg.js";
@@ -51,7 +51,7 @@ export class Screen {
     this.levels = levelButtons(level => this.#choose(level));
     const sliders = make("div", {class: "steered"});
     this.joints = new Joints(sliders, scene.names.map((name, k) => ({name: plainName(name), low: scene.lower[k],
-      high: scene.upper[k]})), theta => this.#go(theta), twice("Give up", () => this.#end()));
+      high: scene.upper[k]})), theta => this.#go(theta), confirming("Give up", () => this.#end()));
     this.copying = button("Copy result", () => void copy(this.copying, this.line.textContent ?? "", "Your result:"), "filled");
     this.pictures = make("section", {class: "four", "aria-label": "Four pictures"},
       make("p", {class: "of"}, make("b", {}, "The orange arm"), make("span", {}, ", your left and right eye")), views.l, views.r,

@@ -44,7 +44,7 @@ export function isNear({factor, within}, number, truth) {
 
 /** Why an answer is right, for all, as on paper and on a projector: its reply without the first sentence, which is for
  * who gave it. @param {Ask} ask */
-export const reasonOf = ({close = ""}) => close.replace(/^.*?\.(\s+|$)/, "");
+export const reasonOf = ({close = ""}) => close.replace(/^.*?[.!?](\s+(?=[A-Z{])|\s*$)/, "");
 
 /** The other place that was marked, which has a reply of its own. @param {Stage} stage */
 const elsewhereOf = stage => stage.mark && stage.step.ask.elsewhere?.find(one => distanceOf(stage, one.truth) <= one.near);

@@ -7,7 +7,7 @@
  * @typedef {{item: string, persons: number, before: number, after: number}} Item */
 import {CHALLENGE, newChallenge} from "./class-challenge.js";
 import {tab} from "./class-link.js";
-import {button, inline, make, plain, twice} from "./dom.js";
+import {button, confirming, inline, make, plain} from "./dom.js";
 import {isForPage} from "../view/keys.js";
 import {EnergyMap} from "../view/map.js";
 import {add, energyText, escaped} from "../view/svg.js";
@@ -311,8 +311,8 @@ export class Lecturer {
     };
     return make("div", {class: "class-inside class-more"},
       make("h3", {}, "Answers"), make("p", {class: "hint"}, "One line for each answer: person, form, item, phase, answer, right, sure, seconds. Persons are random numbers."),
-      make("p", {}, button("Answers as CSV", () => this.order("do", {what: "export"})), twice("Delete all answers", () => this.order("do", {what: "new"}))),
-      make("h3", {}, "All pages"), make("p", {}, button("Send my screen to all, once", () => this.order("state", {state: this.room.screen(), once: true})), twice("All begin this step again", () => this.order("do", {what: "reset"}))),
+      make("p", {}, button("Answers as CSV", () => this.order("do", {what: "export"})), confirming("Delete all answers", () => this.order("do", {what: "new"}))),
+      make("h3", {}, "All pages"), make("p", {}, button("Send my screen to all, once", () => this.order("state", {state: this.room.screen(), once: true})), confirming("All begin this step again", () => this.order("do", {what: "reset"}))),
       make("h3", {}, "The lecturer’s code"), make("p", {class: "hint"}, "At least eight letters. All other browsers of lecturers are then logged out."),
       make("form", {class: "class-login", onsubmit: change}, code, make("button", {class: "plain"}, "Change the code")),
       make("h3", {}, "This browser"), make("p", {}, button("Leave: no lecturer here any more", () => {

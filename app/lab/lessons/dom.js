@@ -23,12 +23,16 @@ export function make(tag, properties = {}, ...children) {
 /** @param {string} words @param {() => void} act @param {string} [kind] its class */
 export const button = (words, act, kind = "plain") => make("button", {type: "button", class: kind, onclick: act}, words);
 
-/** A button that acts at a second press, which means it. @param {string} words @param {() => void} act */
-export function twice(words, act) {
-  const asked = `${words}: sure?`, made = button(words, () => {
-    if (made.textContent === asked) act();
-    made.textContent = made.textContent === asked ? words : asked;
-    setTimeout(() => { made.textContent = words; }, SURE_MS);
+/** A button that asks back, and acts at a second press soon after. @param {string} words @param {() => void} act */
+export function confirming(words, act) {
+  let timer = 0;
+  const forgets = () => { timer = 0; made.textContent = words; };
+  const made = button(words, () => {
+    const sure = timer !== 0;
+    clearTimeout(timer);
+    timer = sure ? 0 : window.setTimeout(forgets, SURE_MS);
+    made.textContent = sure ? words : `${words}: sure?`;
+    if (sure) act();
   });
   return made;
 }

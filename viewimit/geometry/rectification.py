@@ -22,7 +22,7 @@ from .fundamental import epipoles, fit_fundamental, fit_fundamental_with_prior, 
 from .robust_fit import MIN_F_RATIO, affine_distance, fundamental_distance
 
 MIN_DENOMINATOR = 0.1  # of a homography, which is 1 in the middle of the matches: no point is at infinity
-NEAR_EPIPOLE = 0.25  # of a homography's denominator, too
+NEAR_EPIPOLE = 0.25  # the same denominator: points with a smaller one are near the epipole, which has 0
 MIN_RMS_PX = 1e-3  # of images of typical size: smaller rms distance from an affine geometry needs no rectification
 MIN_MATCHES = 16
 N_TRIMMINGS, TRIM_FACTOR = 4, 6.0  # rounds; times the median distance, beyond which a match is wrong

@@ -230,12 +230,16 @@ class PairAdjustment:
         one image alone shows has the two coordinates of that image.
         """
         frame, coordinates = pair.kinematics.frame, pair.demonstrator()
-        enlarged = np.sqrt((self.magnification**2).mean(-1, keepdims=True))
-        difference = (coordinates - frame.coordinates(self.images)) * (frame.unit_px / enlarged)
+        difference = (coordinates - frame.coordinates(self.images)) * (frame.unit_px / self._of_both)
         theirs = np.where(self.visible_in_both[..., None], difference, 0.0)
         if (self.visible.any(-1) != self.visible_in_both).any():
             theirs = theirs + self._partial_residuals(coordinates @ frame.axes + frame.mean)
         return np.concatenate([self.own.residuals(pair.body), self.weight * theirs], -3)
+
+    @cached_property
+    def _of_both(self) -> Array:
+        """Magnification of a point that both images show, (T, N, 1)."""
+        return np.sqrt((self.magnification**2).mean(-1, keepdims=True))
 
     def _partial_residuals(self, images: Array) -> Array:
         """Predicted minus observed x and y, and 0, of points that one image alone shows, of (..., T, N, 4) px."""

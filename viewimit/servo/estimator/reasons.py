@@ -46,7 +46,8 @@ N_FUNDAMENTAL = 7  # unknowns of a fundamental matrix, which a rectification res
 MAX_REASON_SIGMAS = 3.72  # as MAX_SIGMAS, of a reason why another body differs: once in ten thousand
 HOPEFUL = 0.5  # share of the price of a lens that it has to save of the own images, to be fitted to all
 MIRROR_GRID = 13  # postures per joint, in which a mirror image is looked for
-FIRST_SPREAD, SPREADS = 0.05, (0.004, 0.1)  # of links and points that all differ, in the body's rms extent: first; told
+FIRST_SPREAD = 0.05  # of links and points that all differ, in the body's rms extent, from which its estimate begins
+SPREADS = 0.004, 0.1  # that are named: less may be a lens, and more is no body like the own one
 MIN_LEVER = 0.1  # of the body's extent: a shorter link has no relative length
 
 
@@ -139,7 +140,7 @@ class Reasons:
         found = sorted(self.all(), key=criterion)
         hopeful = [one.finished() for one in found[:N_FINISHED]]
         best, *others = sorted([*hopeful, *found[N_FINISHED:]], key=criterion)
-        if best.fit.sigmas >= MAX_REASON_SIGMAS and (rough := self._roughly_alike()) is not None:
+        if best.fit.sigmas >= MAX_REASON_SIGMAS and (rough := self._differing_everywhere()) is not None:
             misfit = Misfit(rough.kind, amount=rough.amount)
             return Explanation(misfit, rough.adjustment.estimate(rough.fit), 0.0), rough
         estimate = best.adjustment.estimate(best.fit)
@@ -186,9 +187,8 @@ class Reasons:
         for kind, choices in ((MisfitKind.POINT, single), (MisfitKind.LINK_POINTS, several)):
             if choices := [points for points in choices if len(points) <= free]:
                 freed = partial(self._with_points, kind, len(choices))
-                yield freed(
-                    min((freed(points, FIRST_STEPS) for points in choices), key=lambda one: one.criterion).points
-                )
+                begun = [freed(points, FIRST_STEPS) for points in choices]
+                yield freed(min(begun, key=attrgetter("criterion")).points)
 
     def _with_points(
         self, kind: MisfitKind, choices: int, points: tuple[int, ...], max_iter: int = FEW_STEPS
@@ -196,7 +196,7 @@ class Reasons:
         start = self.same.pair.with_difference(Difference(points=points))
         return self._candidate(kind, self.adjustment.fit(start, max_iter), points, choices)
 
-    def _roughly_alike(self) -> Candidate | None:
+    def _differing_everywhere(self) -> Candidate | None:
         """Fit a body whose links and points all differ a little; None if they differ by too little, or by too much.
 
         All are normal about the own ones, with one spread, which is estimated twice: χ² of the demonstrator's images
@@ -207,8 +207,8 @@ class Reasons:
         for _ in range(2):
             difference = Difference(shifted=True, points=visible, spread=spread)
             fit = self.adjustment.fit(pair.with_difference(difference), FEW_STEPS)
-            differs = fit.pair.parameters[len(pair.parameters) :] / pair.extent  # as weighed in the fit
-            squares = float(((differs / spread) ** 2).sum()) + fit.raised
+            differences = fit.pair.parameters[len(pair.parameters) :] / pair.extent
+            squares = float(((differences / spread) ** 2).sum()) + fit.raised
             spread *= np.sqrt(squares / self.adjustment.problem.degrees_of_freedom)
             if not SPREADS[0] < spread < SPREADS[1]:
                 return None

@@ -147,6 +147,8 @@ def _study(part: str, args: argparse.Namespace, in_scene: dict[str, Any]) -> tup
         try:
             found = engine.summarise(runs, group.measures)
         except KeyError as missing:
+            if not path:
+                raise
             raise ValueError(f"{path}: without {missing.args[0]} these are runs of another group than {part}") from None
     if args.csv:
         with naming("--csv"):

@@ -70,6 +70,16 @@ OF_MINIMUM: Measures = {
 }
 
 
+HEADINGS = {  # in tables, of names that say too little
+    **{f"own_minimum_{deg:g}": f"≤{deg:g}° of least E" for deg in WITHIN_DEG},
+    "came_own_minimum_3": "once ≤3° of least E",
+    "came_3": "once ≤3° of the demonstrator",
+    "claimed_off_own_minimum": f"claimed, >{FALSE_DEG:g}° off least E",
+    "bias_deg": "least E off by",
+    "bias_95_deg": "95 % off by less than",
+}
+
+
 def own_minimum(session: Session) -> NDArray[np.float64]:
     """Find the posture with the smallest E for the demonstrator as now seen, (2,) rad, on a grid of FINE_STEP_DEG.
 

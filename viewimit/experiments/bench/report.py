@@ -9,22 +9,15 @@ from typing import Any
 
 from ...servo import ServoStatus
 from ..experiment import cell
-from .engine import FALSE_DEG, N_SIGMA, N_SIGMA_COVERED, NEAR_DEG, WITHIN_DEG, Run, Summary, arrives
+from .engine import FALSE_DEG, N_SIGMA, N_SIGMA_COVERED, NEAR_DEG, Run, Summary, arrives
 from .intervals import Interval
+from .measures import HEADINGS
 
 # columns of a table: fields of `Run`; those of NEEDED stand in every table
 NEEDED = {name: name for name in ("case", "run", "servo", "motions", "status", "error_deg", "expected_deg", "E_px2")}
 NEEDED["run"] = "number"
 COLUMNS = NEEDED | {name: name for name in ("transfer", "reason", "travel_deg", "cpu_s", "ended", "kept")}
 ERRORS = "joint_errors_deg"
-HEADINGS = {  # of measures whose names say too little
-    **{f"own_minimum_{deg:g}": f"≤{deg:g}° of least E" for deg in WITHIN_DEG},
-    "came_own_minimum_3": "once ≤3° of least E",
-    "came_3": "once ≤3° of the demonstrator",
-    "claimed_off_own_minimum": f"claimed, >{FALSE_DEG:g}° off least E",
-    "bias_deg": "least E off by",
-    "bias_95_deg": "95 % off by less than",
-}
 
 
 def lay_out(found: Sequence[Summary]) -> str:

@@ -12,7 +12,7 @@ as its scale is the demonstrator's size.
 Unknown are A (8), twists (6 a joint), points (3 each), T (7) and the demonstrator's angles, m for each of its postures.
 All images have independent noise of one standard deviation, so the cost over its square is χ² with as many degrees of
 freedom as there are coordinates more than unknowns. The own images determine the body; the demonstrator's, in
-T postures, add 3 N T - 7 - m T degrees of freedom.
+Q postures, add 3 N Q - 7 - m Q degrees of freedom.
 
 References
 ----------
@@ -75,7 +75,7 @@ class BodyPair:
 
     @classmethod
     def at_postures(cls, kinematics: ProjectiveKinematics, placement: Array, postures: Array) -> "BodyPair":
-        """Place the demonstrator by a similarity, (4, 4), in postures, displacements (T, m) rad."""
+        """Place the demonstrator by a similarity, (4, 4), in postures, displacements (Q, m) rad."""
         parameters = np.concatenate([kinematics.parameters, np.zeros(N_SIMILARITY), postures.ravel()])
         return cls(parameters, kinematics.points, kinematics, placement, len(postures))
 
@@ -93,12 +93,12 @@ class BodyPair:
 
     @property
     def angles(self) -> Array:
-        """(..., T, m) rad: displacements of the demonstrator."""
+        """(..., Q, m) rad: displacements of the demonstrator."""
         angles = self.parameters[..., self.angle_slice]
         return angles.reshape(*angles.shape[:-1], self.n_postures, self.n_joints)
 
     def in_postures(self, postures: Array) -> "BodyPair":
-        """The same body and place with the demonstrator in other postures, (..., T, m) rad."""
+        """The same body and place with the demonstrator in other postures, (..., Q, m) rad."""
         at, lead = self.angle_slice, postures.shape[:-2]
         every = lambda values: np.broadcast_to(values, (*lead, *values.shape))
         before, after = self.parameters[: at.start], self.parameters[at.stop :]
@@ -106,7 +106,7 @@ class BodyPair:
         return replace(self, parameters=parameters, points=every(self.points), n_postures=postures.shape[-2])
 
     def unwound(self, postures: Array) -> "BodyPair":
-        """Turn the demonstrator's joints by whole turns to the angles nearest to its postures, (T, m) rad.
+        """Turn the demonstrator's joints by whole turns to the angles nearest to its postures, (Q, m) rad.
 
         A turn is 2π over the joint's rate |ω|, which is estimated and near 1. It moves points by the pitch at most
         of the joint's screw, which noise makes.
@@ -149,7 +149,7 @@ class BodyPair:
         return self._differing[0]
 
     def demonstrator(self) -> Array:
-        """Coordinates (..., T, N, 3) of the demonstrator in the stereo frame."""
+        """Coordinates (..., Q, N, 3) of the demonstrator in the stereo frame."""
         body, A = self.body, self.body.metric_upgrade
         shifts, offsets, frame = self._differing
         back = np.linalg.inv(A)
@@ -190,9 +190,9 @@ class PairAdjustment:
     """Least-squares problem of fitting a pair of bodies to the images of both."""
 
     own: BundleAdjustment  # of the own visits
-    images: Array  # (T, N, 4) px: of the demonstrator in [l, r], rectified, 0 where not visible
-    visible: NDArray[np.bool_]  # (T, N, 2): which of its points are visible in each image
-    magnification: Array  # (T, N, 2): of their noise by the rectification
+    images: Array  # (Q, N, 4) px: of the demonstrator in [l, r], rectified, 0 where not visible
+    visible: NDArray[np.bool_]  # (Q, N, 2): which of its points are visible in each image
+    magnification: Array  # (Q, N, 2): of their noise by the rectification
     weight: float = 1.0  # of their residuals: noise of the own images over the noise of these
 
     @classmethod
@@ -204,7 +204,7 @@ class PairAdjustment:
         noise_px: float,
         weight: float = 1.0,
     ) -> "PairAdjustment":
-        """Set it up. demo: (T, N, 4) px in [l, r], NaN where hidden; observations: of the own body, as demo in px."""
+        """Set it up. demo: (Q, N, 4) px in [l, r], NaN where hidden; observations: of the own body, as demo in px."""
         own = BundleAdjustment.of(kinematics, observations, noise_px).restricted_to_known(kinematics)
         visible = np.isfinite(demo[..., ::2]) & ~kinematics.unknown[:, None]
         images, by = np.nan_to_num(demo), kinematics.rectification
@@ -213,7 +213,7 @@ class PairAdjustment:
 
     @property
     def visible_in_both(self) -> NDArray[np.bool_]:
-        """(T, N)."""
+        """(Q, N)."""
         return np.asarray(self.visible.all(-1))
 
     @property
@@ -224,7 +224,7 @@ class PairAdjustment:
         return coordinates - N_SIMILARITY - angles
 
     def residuals(self, pair: BodyPair) -> Array:
-        """Predicted minus observed coordinates, (..., K + T, N, 3) px, of own and demonstrator's images.
+        """Predicted minus observed coordinates, (..., K + Q, N, 3) px, of own and demonstrator's images.
 
         The demonstrator's are multiplied by `weight`, so that all have the noise of the own images. A point of it that
         one image alone shows has the two coordinates of that image.
@@ -238,18 +238,18 @@ class PairAdjustment:
 
     @cached_property
     def _of_both(self) -> Array:
-        """Magnification of a point that both images show, (T, N, 1)."""
+        """Magnification of a point that both images show, (Q, N, 1)."""
         return np.sqrt((self.magnification**2).mean(-1, keepdims=True))
 
     def _partial_residuals(self, images: Array) -> Array:
-        """Predicted minus observed x and y, and 0, of points that one image alone shows, of (..., T, N, 4) px."""
+        """Predicted minus observed x and y, and 0, of points that one image alone shows, of (..., Q, N, 4) px."""
         alone = self.visible & ~self.visible_in_both[..., None]
         enlarged = np.repeat(self.magnification, 2, -1)
         difference = np.where(np.repeat(alone, 2, -1), (images - self.images) / enlarged, 0.0)
         return np.concatenate([difference[..., :2] + difference[..., 2:], np.zeros_like(difference[..., :1])], -1)
 
     def starts(self, kinematics: ProjectiveKinematics, postures: Array, mirror: bool = False) -> list[BodyPair]:
-        """Return pairs with the demonstrator in postures, (T, m) rad, the best first.
+        """Return pairs with the demonstrator in postures, (Q, m) rad, the best first.
 
         Noise leaves open the frame (`with_shared_metric`) and the homography between the bodies. So there are two
         frames, and in each up to two similarities: of metric points, and the nearest to the homography. They reflect
@@ -271,9 +271,9 @@ class PairAdjustment:
 
     def prior_weights(self, pair: BodyPair) -> Array:
         """(P,) px²: as of `BundleAdjustment`, and the same for what the demonstrator differs in, or by its spread."""
-        weights = self.own.prior_weights(len(pair.parameters))
-        added, spread = sum(pair.difference.sizes(pair.n_joints)), pair.difference.spread * pair.extent
-        weights[len(weights) - added :] = weights[0] if np.isinf(spread) else (self.own.noise_px / spread) ** 2
+        weights, spread = self.own.prior_weights(len(pair.parameters)), pair.difference.spread
+        begin = len(weights) - sum(pair.difference.sizes(pair.n_joints))
+        weights[begin:] = weights[0] if np.isinf(spread) else (self.own.noise_px / (spread * pair.extent)) ** 2
         return weights
 
     def solve(self, initial: BodyPair, max_iter: int = MOST_STEPS) -> BodyPair:
@@ -281,7 +281,7 @@ class PairAdjustment:
         return levenberg_marquardt(initial, self.residuals, self.prior_weights(initial), FTOL, max_iter)
 
     def angle_std(self, pair: BodyPair) -> Array:
-        """(T, m) rad: standard deviations of the demonstrator's angles for noise of 1 px."""
+        """(Q, m) rad: standard deviations of the demonstrator's angles for noise of 1 px."""
         return np.sqrt(replace(pair, parameters=np.diag(self.covariance(pair))).angles)
 
     def covariance(self, pair: BodyPair) -> Array:

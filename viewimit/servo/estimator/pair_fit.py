@@ -85,7 +85,7 @@ class CommonAdjustment:
     ) -> "CommonAdjustment | None":
         """Set it up; None if too few points are visible for any test.
 
-        likely: explains all visits; demo: (T, N, 4) px in [l, r], NaN where hidden; noise_px: standard deviation of an
+        likely: explains all visits; demo: (Q, N, 4) px in [l, r], NaN where hidden; noise_px: standard deviation of an
         own image's coordinate; weight: as of `PairAdjustment`.
         """
         problem = PairAdjustment.of(likely.kinematics, observations, demo, noise_px, weight)
@@ -135,8 +135,8 @@ def fit_same_body(
 ) -> tuple[CommonAdjustment, PairFit] | None:
     """Fit a demonstrator like the own body, from postures near its own; None if too few points are visible.
 
-    kinematics: explain the own images `seen`; demos: (T, N, 4) px in [l, r], NaN where hidden; noise_px: of an image
-    coordinate; postures: (T, m) rad; weight: as of `PairAdjustment`. Of the likely choices of the joints that move the
+    kinematics: explain the own images `seen`; demos: (Q, N, 4) px in [l, r], NaN where hidden; noise_px: of an image
+    coordinate; postures: (Q, m) rad; weight: as of `PairAdjustment`. Of the likely choices of the joints that move the
     points, the best is taken.
     """
     problem = BundleAdjustment.of(kinematics, seen, noise_px).restricted_to_known(kinematics)

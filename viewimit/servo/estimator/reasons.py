@@ -291,9 +291,9 @@ def explain_again(
     ----------
     kinematics, seen
         As of `explain`.
-    demos : (T, N, 4) array
+    demos : (Q, N, 4) array
         The demonstrator's images in [l, r], px; NaN where hidden.
-    postures : (T, m) array
+    postures : (Q, m) array
         Postures near those of the demonstrator [rad]; its base stays where it is.
     noise_px : float
         Standard deviation of an image coordinate.

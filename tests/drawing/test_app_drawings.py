@@ -141,8 +141,9 @@ class TestImages:
                 off = np.cross([*(b - a), 0], [*(centre - a), 0])[2] / np.linalg.norm(b - a)
                 assert abs(off) < 0.2
 
-    def test_arrows_run_from_the_recovered_points_towards_the_own(self, session):
-        gain = panel.arrow_gain(panel.residual_lengths(session.snapshot))
+    @pytest.mark.parametrize("steps, gain", [(0, 1), (4, 5)])  # the longest residual has 27 and 2.7 px
+    def test_arrows_run_from_the_recovered_points_towards_the_own(self, steps, gain):
+        session = stepped(steps)
         for box in (planes(drawn(session))[name] for name in "LR"):
             arrows = numbers(path(box, RESIDUALS)).reshape(-1, 4)
             own, recovered = starts(path(box, OWN_POINTS)), starts(path(box, RECOVERED_POINTS))

@@ -545,6 +545,8 @@ class Session:
                 self.begin(action.settings)
             case ClearCalibration():
                 self.use_calibration(None)
+            case _:
+                raise TypeError(f"{action!r} is no action of a script")
 
     def undo(self) -> bool:
         """Go one motion back. The later motions stay until the next step.

@@ -200,7 +200,7 @@ def load_scene(
         raise RobotFileMissing(f"{place}: {error}") from None
     except RecursionError:
         raise ValueError(f"{place}: it nests too deeply") from None
-    except ValueError as error:  # msgspec's too
+    except (msgspec.MsgspecError, ValueError) as error:
         raise ValueError(f"{place}: {error}") from None
     return scene if joints is None else _with_moving_joints(scene, joints)
 

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from .arrays import as_text, read_dataset
 from .columns import SEEN, Meaning, as_numbers, meaning_of, name_unread, refuse
-from .numbering import DIGITS, FrameLabels
+from .numbering import FrameLabels
 from .text import Table
 from .track import CERTAIN, Rows, Track, choose_individual, require_cells, with_seen
 
@@ -61,7 +61,7 @@ def read_deeplabcut_csv(path: Path, individual: str | None) -> Track:
     labels, frames, numbers = FrameLabels(), list[int](), list[list[float]]()
     for line, cells in lines:
         cells = table.filled(line, cells, len(parts))
-        if not frames and not any(map(str.strip, cells[first:])) and not DIGITS.search(cells[first - 1]):
+        if not frames and not any(map(str.strip, cells[first:])) and not _is_frame(cells[first - 1]):
             continue  # the name of pandas' index
         frames.append(table.whole(line, "1", cells[first - 1], labels.add))
         numbers.append(
@@ -74,6 +74,14 @@ def read_deeplabcut_csv(path: Path, individual: str | None) -> Track:
 def _trimmed(heading: Heading) -> Heading:
     individual, part, coordinate = (name.strip() for name in heading)
     return individual, part, coordinate
+
+
+def _is_frame(text: str) -> bool:
+    try:
+        FrameLabels().add(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _cell(table: Table, line: int, column: int, heading: Heading, text: str) -> float:

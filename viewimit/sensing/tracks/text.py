@@ -35,7 +35,7 @@ PICTURE_NAME = re.compile(r"\.(?:png|jpe?g|tiff?|bmp|gif|avi|mp4)\b", re.IGNOREC
 NAME_POINTS = "name points in a column point, and pictures in a column frame"
 NO_POINT = ("", "-1")  # no keypoint, or one that COLMAP has not matched
 COLMAP_FILES = {"# Image list": "images.txt", "# 3D point list": "points3D.txt", "# Camera list": "cameras.txt"}
-COLMAP_IMAGE = re.compile(r"\s*(?:[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s+){9}\S")  # nine numbers and a name
+COLMAP_IMAGE = re.compile(r"\s*(?:[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?\s+){9}\S")  # nine numbers and a name
 COLMAP_COMMAND = (
     "python -c \"r = [s.split() for s in open('{file}') if s[0] != '#']; "
     "p = next(p for i, p in zip(r[::2], r[1::2]) if i[9] == 'demo_left.png'); print('point,x,y'); "

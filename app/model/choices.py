@@ -1,4 +1,4 @@
-"""Checks of what a browser sent: anything may come."""
+"""What a visitor can choose from: presets, disturbances, joints, layouts of points, and how a page shows them."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -177,7 +177,12 @@ MAX_LAYOUTS = 16
 MAX_TITLE = 200  # characters
 
 
-def described(place: str) -> str:
+def place_in_link(place: str) -> str:
+    """Return how a link names a scene or a robot: a scene file by its content, any other file by its name."""
+    return scene_text_of(place) if place.lower().endswith(".toml") else file_name(place)
+
+
+def scene_text_of(place: str) -> str:
     """Return the content of a scene file, where possible; otherwise its name."""
     try:
         text = scene_text(load_scene(place))
@@ -241,6 +246,9 @@ class View:
         """Return whether a switch is on, by its name."""
         chosen = getattr(self, switch)
         return self.prefers_dark if chosen is None else chosen
+
+
+MESSAGE_S, WARNING_S = 6.0, 30.0  # s that a message stays
 
 
 @dataclass(frozen=True)

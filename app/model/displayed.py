@@ -233,9 +233,8 @@ class Display:
         self._session, self._player = session, player
         self._on_the_way = OnTheWay()
         self.preview, self.playback = SeeThrough(session), Imitated(session)
-        self.construction_began: float | None = (
-            None  # while the chosen point's is shown step by step; it ends by itself
-        )
+        # s, while the chosen point's is shown step by step; it ends by itself
+        self.construction_began: float | None = None
         self._appearance: Appearance | None = None  # made when it is first shown
         self._assessed: tuple[Snapshot, Assessment | None] | None = None  # the last one, which is drawn many times
 

@@ -24,7 +24,7 @@ from viewimit.servo.certificate import MAX_STD_PER_PX
 from viewimit.simulation.scene import Scene
 from viewimit.wording import sentences
 
-from ..joint_names import joint_name
+from ..model.choices import joint_name
 
 
 def link(what: str, name: str, inside: str, stop: bool = True) -> str:

@@ -13,7 +13,7 @@ from viewimit.simulation.robot import BodyPoints, Leader, link_meshes
 from viewimit.simulation.scene import Scene
 from viewimit.simulation.world import World
 
-from ..joint_names import joint_name
+from ..model.choices import joint_name
 
 MOVING_JOINTS = 2  # the map of E has as many axes
 HULL_DIGITS = 4  # of m

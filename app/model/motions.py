@@ -215,8 +215,7 @@ class Motions:
 
 
 class Recorder:
-    """Postures of the demonstrator as they are sampled, and when, in real time. The motion begins with the first
-    movement. now: any clock, s"""
+    """Sampled postures of the demonstrator, and when, in real time, from the first movement on. now: any clock, s"""
 
     def __init__(self, scene: Scene, theta: NDArray, now: float):
         self._scene = scene

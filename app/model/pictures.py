@@ -42,8 +42,7 @@ def save_replay(model: PageModel) -> None:
 
 
 def save_picture(model: PageModel, now: float) -> None:
-    """Send the visitor a picture of the chosen panel. Raises ValueError for an empty panel, or a PNG that cannot be
-    made here."""
+    """Send a picture of the chosen panel. Raises ValueError for an empty panel, or a PNG that cannot be made here."""
     model.refresh(now)
     what, form, session = model.view.picture, model.view.picture_as, model.session.copy()
     name = f"viewimit-{what.split(' ')[0].lower()}.{form.lower()}"

@@ -1,5 +1,4 @@
-"""The keys of the page, some of them named at the bottom of the left panel; H opens the help: what the page shows, in
-reading order."""
+"""The keys of the page, some of them named at the bottom of the left panel; H opens the help: what the page shows."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -103,8 +102,7 @@ LAST = 1e9  # in the order of a column
 
 
 def lessons(layout: Layout, model: PageModel) -> None:
-    """The page's name with Share and Help, the ways to lab and lessons in the present state, and the offer of the
-    tour."""
+    """The page's name with Share and Help, the ways to lab and lessons in the present state, and the tour's offer."""
     head, offer, offered = layout.gui.add_html(""), layout.gui.add_html("", order=LAST), not _offered(model)
     small = layout.gui.add_html("")
 
@@ -121,8 +119,7 @@ def lessons(layout: Layout, model: PageModel) -> None:
 
 
 def glossary(layout: Layout, model: PageModel) -> None:
-    """The glossary's cards, unseen until a "?" opens one, and what its numbers are now. Which card is open is the
-    browser's own matter."""
+    """The glossary's cards, unseen until a "?" opens one in the browser, and what its numbers are now."""
     layout.gui.add_html(f'<div class="vi-words">{linked_cards()}</div>')
     values = layout.gui.add_html("")
     draw = lambda model: put_html(values, current_values(numbers_now(model)))

@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 
 from viser import ClientHandle, IconName
 
-from ..joint_names import joint_name
 from ..lab.lessons.format import Lesson
+from ..model.choices import joint_name
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue
 from ..viser_private import push_input, push_property

@@ -1,5 +1,4 @@
-"""The four images, and the plots below: E over the postures with the learner's path, or of all transfers; curves;
-equations; a duel."""
+"""The images, and the plots: E over postures with the learner's path, or of all transfers; curves; equations; duel."""
 
 from functools import partial
 from typing import Any

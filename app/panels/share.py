@@ -1,5 +1,4 @@
-"""What a visitor takes away: a replay, pictures, and a link to what the page shows, with its QR code and the code that
-repeats it."""
+"""What a visitor takes away: a replay, pictures, and a link to what the page shows, its QR code, and its code."""
 
 import html
 

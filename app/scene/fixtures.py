@@ -53,11 +53,9 @@ class Fixtures:
         self._pictures: dict[str, ImageHandle] = {}  # on the plates
         self._shown: dict[str, bytes | None] = {}  # what they show
         for solid in geometry.solids(world):
-            mesh = client.scene.add_mesh_simple(
-                f"/stage/{solid.name}", solid.vertices, solid.faces, color=getattr(self._look, solid.colour),
-                position=solid.position, wxyz=quaternion(solid.turn),
-            )  # fmt: skip
-            nodes.keep(mesh)
+            add, colour, turn = client.scene.add_mesh_simple, getattr(self._look, solid.colour), quaternion(solid.turn)
+            name, place = f"/stage/{solid.name}", solid.position
+            nodes.keep(add(name, solid.vertices, solid.faces, color=colour, position=place, wxyz=turn))
         for label in geometry.labels(world):
             node, line = f"/stage/{label.name}", geometry.LINE * self._size
             nodes.keep(add_text(client.scene, node, label.text, label.role, dark, label.position, line))
@@ -77,11 +75,10 @@ class Fixtures:
                     viser_private.push_jpeg(self._pictures[view], picture)
 
     def _add_frustum(self, name: str, camera: Camera, role: str) -> None:
-        plate = geometry.on_plate(camera, geometry.corners(camera), self._size)
+        sheet = geometry.sheet(geometry.on_plate(camera, geometry.corners(camera), self._size))
         lines = geometry.frustum(camera, self._size).astype(np.float32)
         scene, keep = self._client.scene, self._nodes.keep
         keep(scene.add_line_segments(f"/stage/frustum_{name}", lines, rgb(role, self._dark), **in_px(1.6)))
-        sheet = geometry.sheet(plate)
         node = scene.add_mesh_simple(f"/stage/plate_{name}", *sheet, color=self._look.plate, opacity=0.55, **NO_SHADOWS)
         self._plates[name] = keep(node)
 

@@ -129,12 +129,11 @@ class Scene3D:
     def _add_point(self, arm: str, i: int) -> None:
         body, scene, size = self._world.body, self._client.scene, self._world.scene.size * geometry.POINT_SIZE[arm]
         name = f"{link_name(self._world.scene, arm, int(body.link[i]))}/p{i}"
-        colour, place, keep = rgb(arm, self._dark), body.local[i], self._nodes.keep
+        colour, at, keep = rgb(arm, self._dark), body.local[i], self._nodes.keep
         if arm == "learner":
-            keep(scene.add_icosphere(name, size / 2, colour, subdivisions=2, position=place, cast_shadow=False))
+            keep(scene.add_icosphere(name, size / 2, colour, subdivisions=2, position=at, cast_shadow=False))
         else:
-            shape = geometry.octahedron(size)
-            keep(scene.add_mesh_simple(name, *shape, color=colour, position=place, cast_shadow=False))
+            keep(scene.add_mesh_simple(name, *geometry.octahedron(size), color=colour, position=at, cast_shadow=False))
 
     def _take_click(self, origin: NDArray, direction: NDArray) -> None:
         """Choose the point at this ray, on either arm; while points are edited, one that nothing hides, or place

@@ -162,11 +162,10 @@ def _moved_cameras(situation: Situation, slider: str, value: float) -> list[dict
     if slider != "camera distance":
         return engine_scene(situation.with_eyes(**{slider: value}).scene)["cameras"]
     scene, cameras = situation.scene, engine_scene(situation.scene)["cameras"]
-    times = value  # the factor of this slider
     gazes = np.array([scene.head.gaze_demonstrator] * 2 + [scene.head.gaze_learner] * 2)
     for camera, gaze in zip(cameras, gazes):
-        camera["centre"] = (gaze + times * (np.array(camera["centre"]) - gaze)).tolist()
-        camera["focal"] = [times * focal for focal in camera["focal"]]
+        camera["centre"] = (gaze + value * (np.array(camera["centre"]) - gaze)).tolist()
+        camera["focal"] = [value * focal for focal in camera["focal"]]
     return cameras
 
 

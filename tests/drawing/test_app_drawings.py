@@ -141,9 +141,11 @@ class TestImages:
                 off = np.cross([*(b - a), 0], [*(centre - a), 0])[2] / np.linalg.norm(b - a)
                 assert abs(off) < 0.2
 
-    def test_arrows_run_from_the_recovered_points_towards_the_own(self, session):
-        gain = panel.arrow_gain(panel.residual_lengths(session.snapshot))
-        for box in (planes(drawn(session))[name] for name in "LR"):
+    @pytest.mark.parametrize("size, gain", [(1, 5), (4, 1)])  # all residuals grow with the images
+    def test_arrows_run_from_the_recovered_points_towards_the_own(self, session, size, gain):
+        views = session.snapshot.views
+        larger = seen_as(session.snapshot, FourViews(size * views.demo, size * views.own, views.visible))
+        for box in (planes(drawn(session, snapshot=larger))[name] for name in "LR"):
             arrows = numbers(path(box, RESIDUALS)).reshape(-1, 4)
             own, recovered = starts(path(box, OWN_POINTS)), starts(path(box, RECOVERED_POINTS))
             assert arrows[:, :2] == pytest.approx(recovered, abs=0.11)

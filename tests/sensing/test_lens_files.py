@@ -112,6 +112,15 @@ def test_a_damaged_file_is_named(tmp_path, name, text):
         read_lenses(tmp_path / name)
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["{t: 2020-01-01 12:30:00}", "{url: http://x, y:[1, {z:2},]}", "[C:/x, camera:0]", '["x, ]", {"a b": \'}, {\'}]'],
+)
+def test_whatever_stands_in_brackets_beside_the_matrix(tmp_path, text):
+    (tmp_path / "a.yaml").write_text(f'cams: [{{"name": "x, ]", k: {K}, beside: {text}, D:{D}, size: [640, 480]}},]\n')
+    assert read_lenses(tmp_path / "a.yaml") == {"x, ]": LENS}
+
+
 def table(path, by_camera):
     """Points of a cube that two lenses bend, as a table: each coordinate has its own camera's distortion."""
     cv2 = pytest.importorskip("cv2")

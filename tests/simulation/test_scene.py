@@ -1,13 +1,36 @@
 """Scene files: the shipped ones hold together; a wrong one is refused with its file and field."""
 
+from functools import partial
+
+import msgspec
 import numpy as np
 import pytest
 
 from viewimit.geometry.distortion import RadialDistortion
+from viewimit.sensing.lens_files import read_lenses
 from viewimit.simulation.camera import Lens
-from viewimit.simulation.robot import robot_names
+from viewimit.simulation.robot import load_markers, robot_names
 from viewimit.simulation.scene import ROOT, load_robot, load_scene, scene_names
 from viewimit.simulation.world import World
+
+
+def test_files_that_an_older_msgspec_refuses_are_named(tmp_path, monkeypatch):
+    """Before 0.21 its errors are no ValueError."""
+    (tmp_path / "lens.json").write_text("{}")
+
+    def refuse(*_, **__):
+        raise msgspec.MsgspecError("Expected `int`")
+
+    scene, markers = partial(load_scene, "panda"), partial(load_markers, "panda")
+    lenses = partial(read_lenses, tmp_path / "lens.json")
+    for (place, name), read in (
+        ((msgspec, "convert"), scene),
+        ((msgspec.toml, "decode"), markers),
+        ((msgspec.json, "decode"), lenses),
+    ):
+        with monkeypatch.context() as older, pytest.raises(ValueError, match=r"(panda\.toml|lens\.json).*: Expected"):
+            older.setattr(place, name, refuse)
+            read()
 
 
 @pytest.fixture

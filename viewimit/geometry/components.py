@@ -7,11 +7,10 @@ from numpy.typing import NDArray
 def connected_components(count: int, one: NDArray[np.int_], other: NDArray[np.int_]) -> NDArray[np.int_]:
     """Return the smallest member of the component of each of `count` nodes, joined by edges one[k] - other[k]."""
     group = np.arange(count)
-    while True:
-        before = group.copy()
+    while (group[one] != group[other]).any():
         least = np.minimum(group[one], group[other])
-        np.minimum.at(group, one, least)
-        np.minimum.at(group, other, least)
-        group = group[group]
-        if (group == before).all():
-            return group
+        for root in (group[one], group[other]):
+            np.minimum.at(group, root, least)
+        while (group[group] != group).any():
+            group = group[group]
+    return group

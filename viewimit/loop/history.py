@@ -1,6 +1,6 @@
 """The snapshots of a session in the order of their motions, and the one that it shows."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, overload
 
@@ -46,6 +46,9 @@ class History(Sequence[Snapshot]):
 
     def __len__(self) -> int:
         return len(self._snapshots)
+
+    def __iter__(self) -> Iterator[Snapshot]:
+        return iter(self._snapshots)
 
     @overload
     def __getitem__(self, index: int) -> Snapshot: ...

@@ -185,14 +185,14 @@ def _n_visible(images: Images) -> int:
 class RealRobot:
     """The learner's arm, of m joints, and its view of the demonstrator. Postures are (m,) rad.
 
-    name: of the arm, for calibrations. Called, it brings the arm to the first posture of a session.
+    name: of the arm, for calibrations. It opens itself: called, it brings the arm to the first posture of a session.
     """
 
     def __init__(self, arm: Arm, eyes: Eyes, name: str):
         _require_members("the arm", arm, Arm)
         _require_members("the eyes", eyes, Eyes)
         self.arm, self.eyes, self.name = arm, eyes, name
-        self.points = 0  # that the eyes find, once they have looked
+        self.points: int | None = None  # that the eyes find, once they have looked
         self.lower, self.upper = _limits(arm)
 
     def __call__(self, settings: Settings, sent: NDArray[np.float64] | None) -> tuple["RealRobot", SessionStart]:
@@ -205,7 +205,7 @@ class RealRobot:
         asked = self.arm.start if settings.start_deg is None else np.radians(settings.start_deg)
         start = _within(asked, self.lower, self.upper, "the start")
         start = round_to_degrees(require_in_workspace(start, low, high, "the start"), low, high)
-        points = self.points or len(look_with(self.eyes).demo)
+        points = len(look_with(self.eyes).demo) if self.points is None else self.points
         for name, there in {"scene": self.name, "points": points}.items():
             if getattr(settings, name) not in (there, getattr(Settings(), name)):
                 raise ValueError(f"{name} is what there is, {there!r}: leave it out")
@@ -214,18 +214,23 @@ class RealRobot:
         return self, SessionStart(settings, start, theta, self.demonstrator(settings), (low, high))
 
     def require_posture(self, theta: ArrayLike, whose: str) -> NDArray[np.float64]:
+        """Return a copy of theta, (m,) rad. Raises ValueError for a wrong count, NaN or limits exceeded."""
         return _within(theta, self.lower, self.upper, whose)
 
     def body(self, settings: Settings) -> Body:
+        """What a calibration would hold for. The eyes have looked before."""
+        assert self.points is not None
         joints = tuple(range(1, len(self.lower) + 1))
         span_deg = tuple(round(float(span), 6) for span in np.degrees(self.upper - self.lower))
         return Body(self.name, joints, span_deg, self.points, "own", (0.0, 0.0))
 
     def demonstrator(self, settings: Settings) -> NDArray[np.float64]:
+        """(m,) NaN: its posture is unknown. Raises ValueError for settings that only a simulated scene has."""
         _require(settings)
         return np.full_like(self.lower, np.nan)
 
     def settle_demonstrator(self, theta_demo: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return theta_demo, (m,) NaN. Raises ValueError for a posture: it moves by itself."""
         if np.isfinite(theta_demo).any():
             raise ValueError("the demonstrator stands where your eyes see it: move it, and session.look()")
         return theta_demo
@@ -233,12 +238,19 @@ class RealRobot:
     def drive(
         self, settings: Settings, theta: NDArray[np.float64], sent: NDArray[np.float64], commanded: NDArray[np.float64]
     ) -> NDArray[np.float64]:
+        """Move the arm. Return where it comes to rest, (m,) rad. Raises ValueError as `move`.
+
+        settings: give the longest step; sent, commanded: (m,) rad, where it was last sent, and is sent now.
+        """
         return self.move(sent, commanded, settings.max_step)
 
     def revisit(self, settings: Settings, sent: NDArray[np.float64], commanded: NDArray[np.float64]) -> None:
+        """Bring the arm back to where a past snapshot had sent it, `commanded`; arguments and errors as of `drive`."""
         self.move(sent, commanded, settings.max_step)
 
     def observer(self, theta_rest: NDArray[np.float64]) -> RealObserver:
+        """An observer of both bodies; theta_rest: (m,) rad, where the arm is at rest. The eyes have looked before."""
+        assert self.points is not None
         return RealObserver(self.eyes, self.points)
 
     def move(self, sent: NDArray[np.float64], theta: NDArray[np.float64], max_step: float) -> NDArray[np.float64]:

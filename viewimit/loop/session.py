@@ -6,7 +6,7 @@
 import copy
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NoReturn
 
 import msgspec
 import numpy as np
@@ -545,6 +545,9 @@ class Session:
                 self.begin(action.settings)
             case ClearCalibration():
                 self.use_calibration(None)
+            case _:
+                never: NoReturn = action  # a type checker finds an action that is missing above
+                raise TypeError(f"no action of a script: {never!r}")
 
     def undo(self) -> bool:
         """Go one motion back. The later motions stay until the next step.

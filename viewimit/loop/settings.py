@@ -5,6 +5,7 @@ import sys
 import warnings
 from collections.abc import Collection, Mapping
 from dataclasses import KW_ONLY, dataclass
+from functools import cache
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 
@@ -273,6 +274,8 @@ def _is_of(kind, value) -> bool:
 
 def _plain(value):
     """Tuples, texts and Python's numbers, which can be kept, compared and written."""
+    if type(value) in (float, int):  # nearly all, and links hold thousands
+        return value
     if isinstance(value, (np.ndarray, np.generic)):
         value = value.tolist()
     if isinstance(value, (list, tuple)):
@@ -326,6 +329,11 @@ def level_outside() -> int:
 
 def disturbances(kind: type[D]) -> dict[str, D]:
     """Those of one kind, by their field."""
+    return _of_kind(kind)
+
+
+@cache  # asked for several times a motion
+def _of_kind(kind: Any) -> dict[str, Any]:
     return {name: found for name, found in DISTURBANCES.items() if isinstance(found, kind)}
 
 

@@ -148,10 +148,13 @@ class SimulatedRobot:
         self.lower, self.upper = scene.lower, scene.upper  # asked for at every motion
 
     def require_posture(self, theta: ArrayLike, whose: str) -> NDArray[np.float64]:
+        """Return a copy of theta, (m,) rad. Raises ValueError for a wrong count, NaN or limits exceeded."""
         return self._scene.require_posture(theta, whose)
 
     def body(self, settings: Settings) -> Body:
-        scene, placed = self._scene, repr(list(map(tuple, settings.body_points))) if settings.body_points else ""
+        """What a calibration with these settings would hold for."""
+        scene = self._scene
+        placed = repr(list(map(tuple, settings.body_points))) if settings.body_points else ""
         return Body(
             robot=scene.robot,
             joints=tuple(scene.moving_joints),
@@ -163,20 +166,27 @@ class SimulatedRobot:
         )
 
     def demonstrator(self, settings: Settings) -> NDArray[np.float64]:
+        """The demonstrator's posture by the settings, (m,) rad. Raises ValueError for one beyond its limits."""
         return _demonstrator(settings, self._scene)
 
     def settle_demonstrator(self, theta_demo: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Move the demonstrator to a posture. Return where it comes to rest, (m,) rad each."""
         return self.arm.settle(theta_demo)
 
     def drive(
         self, settings: Settings, theta: NDArray[np.float64], sent: NDArray[np.float64], commanded: NDArray[np.float64]
     ) -> NDArray[np.float64]:
+        """Move the learner's arm. Return where it comes to rest, (m,) rad.
+
+        settings: give the disturbances; theta, sent, commanded: (m,) rad, where it is, was last sent and is sent now.
+        """
         return self.arm.drive(settings.amounts(ArmDisturbance), settings.start_rad, theta, sent, commanded)
 
     def revisit(self, settings: Settings, sent: NDArray[np.float64], commanded: NDArray[np.float64]) -> None:
         """Nothing to do: a simulated arm has no posture of its own."""
 
     def observer(self, theta_rest: NDArray[np.float64]) -> SimulatedObserver:
+        """An observer of both bodies, which measures the noise with the arm at rest at theta_rest, (m,) rad."""
         return SimulatedObserver(self.eyes, theta_rest)
 
 

@@ -5,7 +5,6 @@ in one mapping, as K1 and K2, are two cameras. Of YAML the part that these tools
 and lists and mappings in brackets.
 """
 
-import json
 import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator, Mapping
@@ -41,7 +40,9 @@ N_COEFFICIENTS = 5  # k1, k2, p1, p2, k3
 MAX_SKEW = 1e-3  # of the focal length
 UNDISTORT = "remove the distortion from the table: points = cv2{}.undistortPoints(points, K, D, P=K)"
 BY_TOOL = "remove the distortion from the table with the tool that has calibrated it"
-WORD = re.compile(r"(\"[^\"]*\"|'[^']*'|[^\[\]{},:\s][^\[\]{},:]*)(:?)")  # in brackets, and whether it is a key
+QUOTED = r"(?:\"[^\"]*\"|'[^']*')"
+KEYED = rf"(?:(?:{QUOTED}|[^\[\]{{}},:\"'][^\[\]{{}},:]*)\s*:\s*)?"
+TOKEN = re.compile(rf"\s*([\[\]{{}},]|{KEYED}{QUOTED}(?!\s*:)|[^\[\]{{}},]+)")  # in brackets
 
 
 @dataclass(frozen=True)
@@ -99,7 +100,7 @@ def read_lenses(path: Path) -> dict[str, CalibratedLens]:
     content = read_bytes(path, MEGABYTE)
     try:
         fields = _parsed(path, content)
-    except (ElementTree.ParseError, ValueError, RecursionError) as error:
+    except (msgspec.MsgspecError, ElementTree.ParseError, ValueError, RecursionError) as error:
         raise ValueError(f"{path}: not a calibration that is read: {error}") from None
     found: dict[str, CalibratedLens] = {}
     try:
@@ -270,11 +271,27 @@ def _flow(text: str) -> Any:
     """A value in a line."""
     if text[:1] not in ("[", "{"):
         return _scalar(text)
-    quoted = lambda word: json.dumps(word[1].strip().strip("\"'") if word[2] else _scalar(word[1].strip())) + word[2]
-    try:
-        return json.loads(re.sub(r",\s*(?=[\]}])", "", WORD.sub(quoted, text)))
-    except ValueError:
-        raise ValueError(f"{text[:40]!r} is not understood") from None
+    tokens = [token.strip() for token in TOKEN.findall(text)]
+    value, end = _bracket(tokens, 0)
+    if end != len(tokens):
+        raise ValueError(f"{text[:40]!r} is not understood")
+    return value
+
+
+def _bracket(tokens: list[str], at: int) -> tuple[Any, int]:
+    """The list or mapping in brackets that begins at a token, and the first token after it."""
+    found: list[tuple[str, Any]] = []
+    is_list, at = tokens[at] == "[", at + 1
+    while at < len(tokens) and tokens[at] not in "]}":
+        key, _, rest = ("", "", tokens[at]) if is_list else map(str.strip, tokens[at].partition(":"))
+        nested = at + (not rest)
+        is_nested = tokens[nested : nested + 1] in (["["], ["{"])
+        value, at = _bracket(tokens, nested) if is_nested else (_scalar(rest), at + 1)
+        found.append((key.strip("\"'"), value))
+        at += tokens[at : at + 1] == [","]
+    if tokens[at : at + 1] != ["]" if is_list else "}"]:
+        raise ValueError(f"{' '.join(tokens)[:40]!r} is not understood")
+    return ([value for _, value in found] if is_list else dict(found)), at + 1
 
 
 def _scalar(text: str) -> Any:

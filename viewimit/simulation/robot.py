@@ -340,7 +340,7 @@ def load_markers(name: str | Path) -> Markers:
         raise ValueError(f"no markers {str(name)!r}; there are {names}, or the path of a .toml file")
     try:
         markers = parse_toml(read_toml(path), Markers)
-    except ValueError as error:  # msgspec's too
+    except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
     if not markers.radius > 0 or not np.isfinite(np.array(markers.balls, float)).all():
         raise ValueError(f"{path}: radius must be positive, and all numbers finite")

@@ -188,7 +188,7 @@ def load_scene(
     if robot is not None:
         load_robot(robot)  # its faults are not the scene's
     try:
-        scene = msgspec.convert(read(), Scene)
+        scene = _converted(read())
         path = None if is_text(name) or is_reference(name) else Path(place)
         scene = msgspec.structs.replace(scene, robot=_robot_of(scene, path, robot))
         if undistort is not None:
@@ -200,16 +200,24 @@ def load_scene(
         raise RobotFileMissing(f"{place}: {error}") from None
     except RecursionError:
         raise ValueError(f"{place}: it nests too deeply") from None
-    except ValueError as error:  # msgspec's too
+    except ValueError as error:
         raise ValueError(f"{place}: {error}") from None
     return scene if joints is None else _with_moving_joints(scene, joints)
 
 
 def extended(scene: Scene, fields: Mapping[str, Any]) -> Scene:
     """Return the scene of a file that extends this one with these fields. Raises ValueError that names the field."""
-    scene = msgspec.convert(merged(msgspec.to_builtins(scene), dict(fields)), Scene)
+    scene = _converted(merged(msgspec.to_builtins(scene), dict(fields)))
     _require_valid(scene)
     return scene
+
+
+def _converted(fields: Mapping[str, Any]) -> Scene:
+    """The scene of these fields. Raises ValueError that names the field of another type."""
+    try:
+        return msgspec.convert(fields, Scene)
+    except msgspec.MsgspecError as error:  # no ValueError before msgspec 0.21
+        raise ValueError(str(error)) from None
 
 
 def scene_for_urdf(name: str | Path, joints: tuple[int, ...] | None = None) -> "AutoScene":

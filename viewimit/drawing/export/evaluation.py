@@ -143,9 +143,17 @@ def _left_out_json(found: LeaveOneOut) -> dict | None:
     """Errors by transfer, px rms; None if nothing was predicted."""
     if not found.error_px:
         return None
-    fields = {f"rectified_{name}" if name in ("ratio", "ratio_bound") else name: of for name, of in vars(found).items()}
-    del fields["rectification"]
-    return fields
+    return {
+        "error_px": found.error_px,
+        "rectified_px": found.rectified_px,
+        "rectified_ratio": found.ratio,
+        "rectified_ratio_bound": found.ratio_bound,
+        "predictions": found.predictions,
+        "of_predictions": found.of_predictions,
+        "frames": found.frames,
+        "of_frames": found.of_frames,
+        "sampled": found.sampled,
+    }
 
 
 def _suspect_in_words(suspect: dict, frames: int) -> tuple[str, str, str]:

@@ -73,7 +73,7 @@ def holds(windows: Windows, points: Mapping[str, Floats]) -> bool:
     """Say whether the windows show all these points, (k, 2) px by view."""
     shown = windows[False]
     places = [(seen - shown[view][:2]) / shown[view][2:4] for view, seen in points.items()]
-    return all(((place >= 0) & (place <= 1)).all() for place in places)
+    return not any(((place < 0) | (place > 1)).any() for place in places)  # NaN is nowhere
 
 
 def _free_corners(places: dict[str, Floats]) -> tuple[bool, bool]:

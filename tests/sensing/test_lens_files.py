@@ -50,12 +50,9 @@ def test_yaml_of_ros_and_kalibr(tmp_path, kind, flow):
 @pytest.mark.parametrize("ending", ["yml", "xml", "json"])
 @pytest.mark.parametrize(
     "keys",
-    [
-        (("camera_matrix", "distortion_coefficients"),),
-        (("M1", "D1"), ("M2", "D2")),
-        (("K_left", "D_left"), ("K_right", "D_right")),
-    ],
-)
+    [(("camera_matrix", "distortion_coefficients"),), (("M1", "D1"), ("M2", "D2")),
+     (("K_left", "D_left"), ("K_right", "D_right"))],
+)  # fmt: skip
 def test_opencvs_file_storage(tmp_path, ending, keys):
     cv2 = pytest.importorskip("cv2")
     path = tmp_path / f"stereo.{ending}"

@@ -85,7 +85,7 @@ def test_headings_that_would_run_something_are_not_unpickled(tmp_path):
     "change, says",
     [
         (("bodyparts", "parts"), "its first lines must begin with scorer, individuals, bodyparts, coords"),
-        (("tip,tip,tip", "tip,tip,top"), None),
+        (("tip,tip,tip", "tip,tip,top"), "body part 'top' needs columns x and y"),
         (("coords,x,y", "coords,likelihood,y"), "body part 'tip' needs columns x and y"),
         (("coords,x,y", "coords,x,x"), "two columns are x of 'tip'"),
         (("\n1,", "\nframe one,"), "line 5, column 1: 'frame one' is not a whole number"),
@@ -96,8 +96,6 @@ def test_faults_of_deeplabcuts_tables_are_named(tmp_path, change, says):
     path = tmp_path / "tracks.csv"
     frame_of_pandas(SEEN_BY, False, True, "number").to_csv(path)
     path.write_text(path.read_text().replace(*change))
-    if says is None:
-        says = "body part 'top' needs columns x and y"
     with pytest.raises(ValueError, match=says) as found:
         read_view(path)
     assert str(path) in str(found.value)
@@ -143,9 +141,8 @@ def test_sleaps_tables(tmp_path):
     sleap_csv(tmp_path / "one.csv", SEEN_BY, tracks=("",), empty=True)
     same(read_view(tmp_path / "one.csv"))
     sleap_csv(tmp_path / "untracked.csv", SEEN_BY, tracks=("", ""))
-    with pytest.raises(
-        ValueError, match="line 3: point base of frame 0 stands in line 2 too: instances without a track"
-    ):
+    says = "line 3: point base of frame 0 stands in line 2 too: instances without a track"
+    with pytest.raises(ValueError, match=says):
         read_view(tmp_path / "untracked.csv")
 
 
@@ -261,10 +258,7 @@ def test_plain_tables_under_other_headings_separators_and_decimals(tmp_path, hea
         ("frame,point,x,y\n0,tip,abc,2", "line 2, column x: 'abc' is not a finite number"),
         ("frame,point,x,y\n0,tip,2e6,2", "line 2, column x: '2e6' is no pixel: beyond 1e\\+06"),
         ("frame,point,x,y\n0,a,143_250,2\n", "line 2, column x: '143_250' is not a finite number"),
-        (
-            "# 3D point list with one line of data per point:\n0 a 1 2\n",
-            "COLMAP's points3D.txt holds no points of images",
-        ),
+        ("# 3D point list with one line of data:\n0 a 1 2\n", "COLMAP's points3D.txt holds no points of images"),
         ("frame point x y\n0 a 1 2\n", "no column point, x, y: separate columns by , or ; or tabs, not spaces"),
         ("", "the file is empty"),
     ],
@@ -397,12 +391,8 @@ def write_as_named(path, images):
 def test_the_documented_commands_for_trackers_run(tmp_path, monkeypatch, ask_json):
     for package in ("h5py", "tables", "cv2"):
         pytest.importorskip(package)
-    section = (
-        (ROOT / "docs" / "how-to" / "tracks.md")
-        .read_text()
-        .partition("## What trackers write")[2]
-        .partition("\n## ")[0]
-    )
+    page = ROOT.joinpath("docs/how-to/tracks.md").read_text()
+    section = page.partition("## What trackers write")[2].partition("\n## ")[0]
     (block,) = re.findall(r"^```text\n(.*?)^```", section, re.DOTALL | re.MULTILINE)
     lines = [shlex.split(line)[1:] for line in block.splitlines()]
     points, images = np.random.default_rng(6).uniform((-0.4, -0.3, 2.0), (0.4, 0.3, 2.6), (12, 3)), {}

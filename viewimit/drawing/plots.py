@@ -6,14 +6,13 @@ from functools import cached_property, lru_cache, wraps
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ..geometry.arrays import Floats
 from ..loop.settings import Settings
 from ..simulation.disturbances import Disturbance
 from . import svg
 from .labels import CHARACTER
-
-Floats = NDArray[np.float64]
 
 MIN_POSITIVE = 1e-30  # smaller values have no place on a logarithmic axis
 MAX_DECADES = 12

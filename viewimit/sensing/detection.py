@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
+from ..geometry.arrays import Floats
 from ..geometry.components import connected_components
 from .files import MEGABYTE, require_file
 
@@ -44,7 +45,6 @@ FIRST_OF_DEMONSTRATOR = 25  # number of its marker where the learner wears numbe
 OPENCV_OFFSET_PX = 0.5  # OpenCV has (0, 0) at the centre of the first pixel
 
 Picture = NDArray[np.uint8]
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from typing import Any
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
 from ..geometry.distortion import LensDistortion
 from .files import MEGABYTE, parse_toml, read_bytes
 
@@ -35,7 +35,6 @@ OTHER_MODEL = re.compile(f"{FISHEYE.pattern}|equisolid|stereographic|omni|^mei$|
 COUNTS = 2, 4, 5  # of coefficients that may be given
 NUMBERS = "FX,FY,CX,CY,K1,K2,P1,P2,K3"
 BEYOND = 0.1  # of the points' extent, by which a lens's centre lies outside before it is mentioned
-Floats = NDArray[np.float64]
 N_COEFFICIENTS = 5  # k1, k2, p1, p2, k3
 MAX_SKEW = 1e-3  # of the focal length
 UNDISTORT = "remove the distortion from the table: points = cv2{}.undistortPoints(points, K, D, P=K)"

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
 from .scene import Scene
 
 OUTLIER_PX = 60.0  # largest error of a misplaced point's coordinate
 
-Floats = NDArray[np.float64]
 Visible = NDArray[np.bool_]
 
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
 from ..geometry.affine import MIN_POINTS
+from ..geometry.arrays import Floats
 from ..geometry.distortion import RadialDistortion
 from ..sensing.files import is_text, parse_toml, read_toml
 from .camera import Lens, StereoHead
@@ -21,7 +22,6 @@ from .urdf.reference import is_reference, parse_reference, require_urdf
 if TYPE_CHECKING:
     from .autoscene.scene import AutoScene
 
-Floats = NDArray[np.float64]
 
 Vector = tuple[float, float, float]
 Limits = tuple[tuple[float, float], ...]

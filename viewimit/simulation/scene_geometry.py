@@ -11,13 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.views import VIEWS
+from ..geometry.arrays import Floats
 from ..geometry.rigid import look_rotation, rotation_about_axis
 from .appearance import extreme_vertices
 from .camera import Camera
 from .robot import link_meshes
 from .world import World
-
-Floats = NDArray[np.float64]
 
 PLATE = 0.17  # m from the camera to its image plate
 LABEL_OFFSET = np.array([-0.16, -0.31, 0.05])  # m from a base's foot to its name

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..estimation.views import FourViews
+from ..geometry.arrays import Floats
 from ..geometry.rigid import rigid_transform, rotation_about_axis
 from .camera import Camera, Cameras
 from .robot import Angles, BodyPoints, Robot
@@ -15,7 +16,6 @@ from .scene import Base, Scene, load_robot
 HAND_ITERATIONS, FD_STEP_RAD, DAMPING = 12, 1e-4, 1e-4
 MAX_HAND_STEP_RAD = 0.5
 
-Floats = NDArray[np.float64]
 Visible = NDArray[np.bool_]
 
 

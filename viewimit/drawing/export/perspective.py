@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.arrays import Floats
 from ...loop.snapshot import Snapshot
 from ...simulation import scene_geometry
 from ...simulation.camera import triangulate
@@ -19,8 +20,6 @@ from .. import svg
 from ..images.planes import image_points
 from ..theme import ROLES, half_white, rgb
 from .figures import WIDTH, Figure
-
-Floats = NDArray[np.float64]
 
 SUN = np.array([-2.0, -3.0, 5.0]) / np.sqrt(38.0)
 SKY, GROUND = np.array([0.91, 0.90, 1.0]), np.array([0.44, 0.43, 0.49])  # linear light from above and below

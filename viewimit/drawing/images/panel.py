@@ -7,13 +7,13 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...analysis.construction import Construction
 from ...estimation.transfers.registry import BADLY_CONDITIONED, ILL_CONDITIONED
 from ...estimation.transfers.transfer import FLATNESS
 from ...estimation.views import VIEWS
 from ...geometry.affine import LINE_VIEWS, MIN_POINTS, POINT_VIEWS
+from ...geometry.arrays import Floats
 from ...loop.snapshot import Snapshot
 from ...simulation.appearance import Bodies
 from .. import svg
@@ -21,8 +21,6 @@ from ..glossary import ask, glossary, key_of
 from ..theme import HEAD, OBSERVED, RECOVERED, RING
 from . import planes
 from .planes import SIZES, Window, Windows, describe_construction, draw_construction, is_shown
-
-Floats = NDArray[np.float64]
 
 GAINS = (10, 5, 2)
 READOUT_UP = 8  # px from the bottom of L and R

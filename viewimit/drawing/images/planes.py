@@ -13,15 +13,13 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...analysis.construction import Construction
 from ...estimation.views import FourViews
+from ...geometry.arrays import Floats
 from ...simulation.appearance import ArmImages
 from .. import svg
 from ..theme import RECOVERED
-
-Floats = NDArray[np.float64]
 
 # width and height of each view's drawing, px, by whether whole frames are shown; two of l are as high as one of L
 SIZES = {

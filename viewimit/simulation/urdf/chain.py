@@ -4,11 +4,9 @@ import re
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...geometry.arrays import Floats
 from .tree import KINDS, REST_MARGIN, SLIDING, TURNING, Tree, TreeJoint
-
-Floats = NDArray[np.float64]
 
 FINGER = re.compile(r"finger|jaw|thumb|knuckle|claw", re.IGNORECASE)  # in the name of a joint or of its child link
 GRIPPER = re.compile(r"grip", re.IGNORECASE)  # in the name of a joint; a link of that name may be the whole hand

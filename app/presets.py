@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
+import msgspec
 from viewimit.assets import ROOT
 
 from viewimit.loop.settings import Settings, convert_fields
@@ -24,13 +25,29 @@ class Preset:
     where: str = ""
 
 
-def _preset(entry: dict[str, Any]) -> Preset:
+class _Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A preset as the file has it."""
-    base, speed = Settings if entry.pop("best", False) else Settings.paper, entry.pop("speed", USUAL_SPEED)
-    settings = base(**convert_fields(entry.pop("settings", {})))
-    return Preset(settings=settings, motions_per_second=speed, **entry)
+
+    key: str
+    name: str
+    says: str
+    settings: dict[str, Any] = {}
+    best: bool = False
+    where: str = ""
+    speed: float = USUAL_SPEED
 
 
-_ALL = [_preset(entry) for entry in parse_toml(ROOT.joinpath("presets.toml").read_bytes())["preset"]]
+def _preset(entry: _Entry) -> Preset:
+    base = Settings if entry.best else Settings.paper
+    settings = base(**convert_fields(entry.settings))
+    return Preset(entry.name, settings, entry.speed, entry.says, entry.key, entry.where)
+
+
+def read_presets(data: bytes) -> list[Preset]:
+    """Read a file like assets/presets.toml. Raises msgspec.ValidationError for an unknown field or a wrong type."""
+    return [_preset(entry) for entry in msgspec.convert(parse_toml(data)["preset"], list[_Entry])]
+
+
+_ALL = read_presets(ROOT.joinpath("presets.toml").read_bytes())
 PRESETS = [preset for preset in _ALL if preset.where != "lab"]
 LAB_PRESETS = [preset for preset in _ALL if preset.where != "workbench"]

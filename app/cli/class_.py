@@ -59,6 +59,7 @@ def run(args: argparse.Namespace) -> int:
                 require_origin(origin)
     with naming("--lesson"):
         lessons = dict(map(find, args.lesson)) if args.lesson else shipped()
+        pages = class_pages(lessons, args.embed)
     with naming("--data"):
         path = args.data or _usual_file(args.port)
         store = Store(path)
@@ -81,8 +82,6 @@ def run(args: argparse.Namespace) -> int:
     _say_code(room.has_own_code, code)
     print(f"answers are kept in {path}" + (f"; it has {len(found)} already" if (found := store.answers()) else ""))
     sys.stdout.flush()
-    with naming("--lesson"):
-        pages = class_pages(lessons, args.embed)  # which takes a second; who comes meanwhile waits
     asyncio.run(ClassServer(room, pages, origins, args.trust_proxy).run(listeners))
     return DONE
 

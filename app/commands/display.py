@@ -4,7 +4,7 @@ from typing import Annotated
 
 from ..model.choices import FLAGS, LARGE, NO_POINT, SWITCHED
 from ..model.page_model import PageModel
-from ..model.queue import add, command, number, one_of, switch, whole
+from ..model.queue import add_command, command, number, one_of
 
 CLIENT_REPORTED = {"dark": "prefers_dark", "truth": "truth", "flat": "flat"}  # fields of View, by link
 ENLARGED = one_of({str(k): what for k, what in enumerate(LARGE)}, "there is no panel or picture {value}")
@@ -22,10 +22,10 @@ def choose_point(
     model.show(chosen=point)
 
 
-add(
-    "point", lambda model, point: choose_point(model, None if point == model.view.chosen else point), whole,
-    order_independent=True, link=True,
-)  # fmt: skip
+@command("point", order_independent=True, link=True)
+def toggle_point(model: PageModel, point: int) -> None:
+    """Choose a point; the chosen one again: none."""
+    choose_point(model, None if point == model.view.chosen else point)
 
 
 @command("next_point", order_independent=True)
@@ -34,14 +34,16 @@ def next_point(model: PageModel) -> None:
     model.show(chosen=0 if chosen is None else (chosen + 1) % count)
 
 
-KNOWN = one_of(SWITCHED, "there is no switch {value}")
-add("switch", lambda model, name, on: model.show(**{name: on}), KNOWN, switch, latest=True, order_independent=True)
+@command("switch", latest=True, order_independent=True)
+def switch(model: PageModel, name: Annotated[str, one_of(SWITCHED, "there is no switch {value}")], on: bool) -> None:
+    """Set one of the switches of `View`."""
+    model.show(**{name: on})
 
 
 def _report(link: str, field: str) -> None:
-    """Take what a browser says of itself, see `View`."""
+    """Add a command that takes what a browser says of itself, see `View`."""
     report = lambda model, on: model.show(**{field: on})
-    add(link, report, one_of(FLAGS, NO_FLAG), latest=True, order_independent=True, link=True)
+    add_command(link, report, one_of(FLAGS, NO_FLAG), latest=True, order_independent=True, link=True)
 
 
 for _link, _field in CLIENT_REPORTED.items():
@@ -62,13 +64,14 @@ def hide_tabs(model: PageModel, tabs: str) -> None:
 
 def _toggle(name: str, field: str, **options: bool) -> None:
     """Add a command that turns a switch of `View` over."""
-    add(name, lambda model: model.show(**{field: not getattr(model.view, field)}), order_independent=True, **options)
+    toggle = lambda model: model.show(**{field: not getattr(model.view, field)})
+    add_command(name, toggle, order_independent=True, **options)
 
 
-_toggle("goal", "goal")
-_toggle("share", "share", link=True)
+_toggle("goal", "goal")  # the learner in L and R as it would look in the demonstrator's posture
+_toggle("share", "share", link=True)  # the card with a link to what the page shows, and the code that repeats it
 _toggle("help", "help", link=True)
-add("fit_view", lambda model: model.show(fits=model.view.fits + 1), order_independent=True)
+add_command("fit_view", lambda model: model.show(fits=model.view.fits + 1), order_independent=True)
 
 
 @command("construction", order_independent=True, link=True)
@@ -88,8 +91,11 @@ def enlarge(model: PageModel, what: Annotated[str, ENLARGED]) -> None:
     model.show(large=None if model.view.large == what else what)
 
 
-NEXT_LARGER = {None: "images", "images": "figures"}  # else all as before
-add("next_larger", lambda model: model.show(large=NEXT_LARGER.get(model.view.large)), order_independent=True)
+@command("next_larger", order_independent=True)
+def next_larger(model: PageModel) -> None:
+    """Enlarge the images, then the figures, then show all as before."""
+    after = {None: "images", "images": "figures"}
+    model.show(large=after.get(model.view.large))
 
 
 @command("dismiss", order_independent=True, link=True)

@@ -1,34 +1,48 @@
 """Commands that change settings: method, joints that move, disturbances, what the learner observes with."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Annotated, Any
 
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.servo import SERVOS
 
 from ..model.choices import AMOUNTS, joint_choices, layout_choices
 from ..model.page_model import PageModel
-from ..model.queue import add, command, number, one_of, switch, titled, whole
+from ..model.queue import add_command, command, one_of, switch, titled, whole
 
 TRANSFER, SERVO = titled(TRANSFERS, "transfer"), titled(SERVOS, "servo")
-DISTURBANCE = one_of(AMOUNTS.keys(), "there is no disturbance {value}")
 
 
-def _setting(name: str, fields: Callable[..., dict[str, Any]], *parsers: Callable, **options: Any) -> None:
-    """Add a command that changes settings: those that fields(*values) returns."""
-    change = lambda model, *values: model.undoable.change(**fields(*values))
-    add(name, change, *parsers, latest=True, moves=True, **options)
+def _setting(name: str, fields: Callable[[Any], dict[str, Any]], parser: Callable, **options: Any) -> None:
+    """Add a command that changes settings: those that fields(value) returns."""
+    change = lambda model, value: model.undoable.change(**fields(value))
+    add_command(name, change, parser, latest=True, moves=True, **options)
 
 
 _setting("transfer", lambda name: {"transfer": name}, TRANSFER)
 _setting("servo", lambda name: {"servo": name}, SERVO)
-_setting("disturbance", lambda name, value: {name: AMOUNTS[name].asked(value)}, DISTURBANCE, number)
 _setting("seed", lambda seed: {"seed": seed}, whole)
 _setting("rectify", lambda on: {"rectify": "auto" if on else "off"}, switch)
 _setting("camera", lambda on: {"sensor": "rendered" if on else "projected"}, switch, camera=lambda model, on: on)
-add("duel", lambda model: model.duel.toggle(), moves=True)
-add("opponent_transfer", lambda model, name: model.duel.choose(transfer=name), TRANSFER, latest=True, moves=True)
-add("opponent_servo", lambda model, name: model.duel.choose(servo=name), SERVO, latest=True, moves=True)
+add_command("duel", lambda model: model.duel.toggle(), moves=True)
+
+
+@command("disturbance", latest=True, moves=True)
+def change_disturbance(
+    model: PageModel, name: Annotated[str, one_of(AMOUNTS.keys(), "there is no disturbance {value}")], value: float
+) -> None:
+    """Change a disturbance. value: in the units of its slider."""
+    model.undoable.change(**{name: AMOUNTS[name].asked(value)})
+
+
+@command("opponent_transfer", latest=True, moves=True)
+def choose_opponent_transfer(model: PageModel, name: Annotated[str, TRANSFER]) -> None:
+    model.duel.choose(transfer=name)
+
+
+@command("opponent_servo", latest=True, moves=True)
+def choose_opponent_servo(model: PageModel, name: Annotated[str, SERVO]) -> None:
+    model.duel.choose(servo=name)
 
 
 @command("joints", latest=True, moves=True)

@@ -18,11 +18,13 @@ from ..model.choices import SPEEDS, Preset, modified, usual
 from ..model.editing import Rehearsal
 from ..model.link import Played, read_link
 from ..model.page_model import PageModel
-from ..model.queue import add, command, number, one_of
+from ..model.queue import command, number, one_of
 
 MESSAGE_S, WARNING_S = 6.0, 30.0  # s that a message stays
 FROM_LINK = "From a link"
 BODIES = ("scene", "robot", "joints", "body_points")  # settings of which a preset's sentence speaks
+SPEED = one_of(SPEEDS, "there is no speed {value}")
+UNSAVED = one_of({"": False, "storage": True}, "there is no problem {value}")
 Word = Annotated[str, one_of(lambda: glossary().keys(), "the glossary has no entry {value}")]
 Angles = Annotated[tuple[float, ...], lambda value: tuple(map(number, value.split(",")))]  # degrees, "25,-45"
 Position = Annotated[NDArray, lambda value: np.array(value, float)]  # (3,) m in the world
@@ -63,7 +65,7 @@ def undo(model: PageModel, *, now: float) -> None:
         model.player.scrub(model.player.cursor - 1, now)
     else:
         model.undoable.bring_back(left)
-        parts = [left.preset.name, count_motions(left.runs[0][0][-1].motion)]
+        parts = [left.preset.name, count_motions(left.motions)]
         if model.points.on:
             parts.append(count_points(len(model.session.world.body)))
         model.say(f"Back is what was here before: {', '.join(parts)}.", now + MESSAGE_S)
@@ -79,7 +81,10 @@ def reset(model: PageModel) -> None:
 @command("rehearsal", moves=True)
 def toggle_rehearsal(model: PageModel) -> None:
     """Let the learner watch itself first, or forget what it has seen of itself."""
-    (model.undoable.forget_rehearsal if Rehearsal(model.session).held else model.undoable.rehearse)()
+    if Rehearsal(model.session).held:
+        model.undoable.forget_rehearsal()
+    else:
+        model.undoable.rehearse()
 
 
 @command("moment", latest=True, moves=True, link=True)
@@ -89,8 +94,10 @@ def scrub(model: PageModel, motion: int) -> None:
     model.player.scrub(motion)
 
 
-SPEED = one_of(SPEEDS, "there is no speed {value}")
-add("speed", lambda model, motions_per_second: setattr(model.player, "speed", motions_per_second), SPEED, latest=True)
+@command("speed", latest=True)
+def choose_speed(model: PageModel, motions_per_second: Annotated[float, SPEED]) -> None:
+    """Choose the speed by its name; 0 is as fast as it computes."""
+    model.player.speed = motions_per_second
 
 
 @command("preset", latest=True, moves=True, camera=lambda model, name: name in model.presets.pictured)
@@ -177,10 +184,10 @@ def restore_session(model: PageModel, kept: str) -> None:
         model.following.begin(page, partial(become, model), is_own=True)
 
 
-UNSAVED = one_of(
-    {"": False, "storage": True}, "there is no problem {value}"
-)  # whether the storage is full or forbidden
-add("unsaved", lambda model, unsaved: setattr(model, "unsaved", unsaved), UNSAVED, latest=True, link=True)
+@command("unsaved", latest=True, link=True)
+def tell_unsaved(model: PageModel, unsaved: Annotated[bool, UNSAVED]) -> None:
+    """Take whether the tab's storage is full or forbidden."""
+    model.unsaved = unsaved
 
 
 def become(model: PageModel, played: Played, now: float) -> None:

@@ -7,33 +7,42 @@ from viewimit.experiments import EXPERIMENTS
 from ..model.motions import MOST_BYTES, NAMES
 from ..model.page_model import PageModel
 from ..model.pictures import FORMATS, PICTURES, save_picture, save_replay
-from ..model.queue import add, command, number, one_of, titled
+from ..model.queue import add_command, command, one_of, titled
 from .session import MESSAGE_S
 
 EXPERIMENT = titled(EXPERIMENTS, "experiment")
 MOTION = one_of({title: name for name, title in NAMES.items()}, "there is no motion {value}")
 
-add("experiment", lambda model, name: setattr(model.experiments, "chosen", name), EXPERIMENT, latest=True)
-add("run", lambda model: model.experiments.run_or_cancel())
-add("download", lambda model: model.experiments.download())
-add("motion", lambda model, name: model.motions.choose(name), MOTION, latest=True, moves=True)
-add("record", lambda model: model.motions.record(), moves=True)
-add("replay", lambda model: model.motions.replay(), moves=True)
-add("motion_time", lambda model, seconds: model.motions.scrub(seconds), number, latest=True, moves=True)
-add("save_motion", lambda model: model.motions.save(), moves=True)
-add("scene", lambda model: model.points.save(), link=True)
-add(
-    "picture",
-    lambda model, name: model.show(picture=name),
-    one_of(PICTURES, "there is no picture {value}"),
-    latest=True,
-)
-add(
-    "picture_format",
-    lambda model, name: model.show(picture_as=name),
-    one_of(FORMATS, "there is no format {value}"),
-    latest=True,
-)
+add_command("run", lambda model: model.experiments.run_or_cancel())
+add_command("download", lambda model: model.experiments.download())
+add_command("motion", lambda model, name: model.motions.choose(name), MOTION, latest=True, moves=True)
+add_command("record", lambda model: model.motions.record(), moves=True)
+add_command("replay", lambda model: model.motions.replay(), moves=True)
+add_command("save_motion", lambda model: model.motions.save(), moves=True)
+add_command("scene", lambda model: model.points.save(), link=True)
+
+
+@command("experiment", latest=True)
+def choose_experiment(model: PageModel, name: Annotated[str, EXPERIMENT]) -> None:
+    model.experiments.chosen = name
+
+
+@command("motion_time", latest=True, moves=True)
+def show_motion_at(model: PageModel, seconds: float) -> None:
+    """Show a moment of the chosen motion."""
+    model.motions.scrub(seconds)
+
+
+@command("picture", latest=True)
+def choose_picture(model: PageModel, name: Annotated[str, one_of(PICTURES, "there is no picture {value}")]) -> None:
+    """Choose which panel is saved as a picture."""
+    model.show(picture=name)
+
+
+@command("picture_format", latest=True)
+def choose_format(model: PageModel, name: Annotated[str, one_of(FORMATS, "there is no format {value}")]) -> None:
+    """Choose the kind of file in which pictures are saved."""
+    model.show(picture_as=name)
 
 
 @command("imitation", moves=True)

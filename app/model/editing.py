@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
 
 import msgspec
 from numpy.typing import NDArray
@@ -93,8 +92,13 @@ class UndoableSession:
         self.player.wake()
 
     def begin_preset(self, preset: Preset) -> None:
-        self._restart(lambda: self.session.begin(preset.settings))
-        self.player.speed, self.presets.chosen = preset.motions_per_second, preset
+        """Begin with a preset, which is the chosen one even if the duel cannot be restarted."""
+
+        def begin() -> None:
+            self.session.begin(preset.settings)
+            self.player.speed, self.presets.chosen = preset.motions_per_second, preset
+
+        self._restart(begin)
 
     def begin_like(self, settings: Settings) -> None:
         """Begin with these settings and projected points; Undo does not bring back the former session."""
@@ -145,8 +149,13 @@ class UndoEntry:
     speed: float  # motions a second
 
     @property
+    def motions(self) -> int:
+        """How many motions the learner had made."""
+        return self.runs[0][0][-1].motion
+
+    @property
     def shown(self) -> Snapshot:
-        """The learner's."""
+        """The learner's snapshot that was shown."""
         snapshots, cursor, _log = self.runs[0]
         return snapshots[cursor]
 
@@ -176,7 +185,8 @@ class UndoStack:
     def push_branch(self) -> None:
         """Push the present state if a next motion would replace later ones."""
         if any(session.cursor < len(session.history) - 1 for session in self._player.sessions):
-            self._keep(tuple(map(_run, self._player.sessions)), self._player.cursor, *self._now)
+            runs = tuple(map(_run, self._player.sessions))
+            self._keep(UndoEntry(runs, self._player.cursor, self._presets.chosen, self._player.speed))
 
     @contextmanager
     def recording_undo(self, whole: bool = False) -> Iterator[None]:
@@ -185,20 +195,17 @@ class UndoStack:
         # a restart replaces these objects
         histories = [(session.history, session.cursor, session.log) for session in sessions]
         branches = any(cursor < len(history) - 1 for history, cursor, _log in histories)
-        runs, now = tuple(map(_run, sessions)) if branches else None, self._now
+        runs = tuple(map(_run, sessions)) if branches else None
+        preset, speed = self._presets.chosen, self._player.speed
         yield
         if sessions[0].history is histories[0][0]:
             if runs is not None:
-                self._keep(runs, self._player.cursor, *now)
+                self._keep(UndoEntry(runs, self._player.cursor, preset, speed))
         elif whole or len(histories[0][0]) > 1:
-            self._keep(runs or tuple((tuple(history), cursor, log) for history, cursor, log in histories), 0, *now)
+            runs = runs or tuple((tuple(history), cursor, log) for history, cursor, log in histories)
+            self._keep(UndoEntry(runs, 0, preset, speed))
 
-    @property
-    def _now(self) -> tuple[Preset, float]:
-        return self._presets.chosen, self._player.speed
-
-    def _keep(self, *fields: Any) -> None:
-        entry = UndoEntry(*fields)
+    def _keep(self, entry: UndoEntry) -> None:
         newest = self._entries[-1] if self._entries else None
         if newest is None or newest.at != entry.at or newest.runs[0][0] != entry.runs[0][0]:
             self._entries = [*self._entries[1 - MAX_ENTRIES :], entry]

@@ -51,7 +51,6 @@ class PageModel:
         self.landscape, self.duel_landscapes = OwnLandscape(beside), DuelLandscapes(beside)
         self.comparison = Comparison(beside)
         self.basins = Basins(services.basins, queue)
-        self._seen: tuple = ()  # what landscapes depend on, as they were asked for
         self.tour_offered = True
         self.eye: Callable[[], Viewpoint | None] = lambda: None
         self.generation, self.inputs = 0, 0
@@ -101,15 +100,11 @@ class PageModel:
 
     def ask_for_landscapes(self) -> None:
         """Ask for the landscapes that have changed since they were asked for last."""
-        world, present, opponent = self.session.world, self.session.snapshot, self.duel.opponent
-        learners = [present] if opponent is None else [present, opponent.snapshot]
-        fits = [(one.settings, one.rectification is not None, one.correspondences) for one in learners]
-        if (seen := (world, self.comparison.on, fits)) != self._seen:
-            self._seen = seen
-            self.landscape.ask(world, present)
-            self.comparison.ask(world, present)
-            self.basins.follow(self.session)
-            self.duel_landscapes.ask(world, present, opponent)
+        world, present = self.session.world, self.session.snapshot
+        self.landscape.ask(world, present)
+        self.comparison.ask(world, present)
+        self.basins.follow(self.session)
+        self.duel_landscapes.ask(world, present, self.duel.opponent)
 
     def refresh(self, now: float, shortest_motion: float = 0.0) -> Displayed:
         """Update the display. shortest_motion: s; an arm that moves for less is displayed where it arrives."""

@@ -5,7 +5,7 @@ import math
 import threading
 import traceback
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
@@ -40,20 +40,22 @@ class Entry:
 class Command:
     """What a visitor can do; panels, keys and links call it by its name.
 
-    parsers: by parameter, what a browser's value stands for; each raises ValueError if it stands for none; latest:
-    calls that differ in their last argument alone are values of one control, of which the newest is enough; link: links
-    of the drawings and the page's script may call it; camera: called as `function`, whether it will ask for camera
-    images; how: moves, order_independent, cancels, as of `Entry`.
+    parsers: by parameter, what a browser's value stands for; each raises ValueError if it stands for none; takes_now:
+    it is given the time, s, too; latest: calls that differ in their last argument alone are values of one control, of
+    which the newest is enough; moves, order_independent, cancels: as of `Entry`; link: links of the drawings and the
+    page's script may call it; camera: called as `function`, whether it will ask for camera images.
     """
 
     name: str
     function: Callable[..., None]
     parsers: Sequence[Callable[[Any], Any]] = ()
+    takes_now: bool = False
     latest: bool = False
+    moves: bool = False
+    order_independent: bool = False
+    cancels: bool = False
     link: bool = False
     camera: Callable[..., bool] = lambda model, *arguments: False
-    takes_now: bool = False  # the time, s
-    how: Mapping[str, bool] = field(default_factory=dict)
 
     def __call__(self, *values: Any, sender: Hashable = None) -> Entry:
         """Parse a browser's values. Raises ValueError for values that no visitor could have chosen."""
@@ -63,33 +65,49 @@ class Command:
             coalesce_key=(self.name, *arguments[:-1]) if self.latest else None,
             sender=sender,
             camera=lambda model: self.camera(model, *arguments),
-            **self.how,
+            moves=self.moves,
+            order_independent=self.order_independent,
+            cancels=self.cancels,
         )
 
 
 COMMANDS: dict[str, Command] = {}
 
 
-def add(name: str, function: Callable[..., None], *parsers: Callable[[Any], Any], **options: Any) -> None:
-    """Add a command of this name. options: as of `Command`. Raises ValueError for a name that is taken."""
+def add_command(name: str, function: Callable[..., None], *parsers: Callable[[Any], Any], **options: Any) -> None:
+    """Add a command that is one line; `command` registers the others.
+
+    options: fields of `Command`. Raises ValueError for a name that is taken, or another number of parsers than of
+    parameters after the model.
+    """
     if name in COMMANDS:
         raise ValueError(f"two commands named {name!r}")
-    own = {option: options.pop(option) for option in ("latest", "link", "camera") if option in options}
+    needed = len(_after_model(function))
+    if len(parsers) != needed:
+        raise ValueError(f"command {name!r}: {len(parsers)} parsers for {needed} parameters")
     timed = "now" in inspect.signature(function).parameters
-    COMMANDS[name] = Command(name, function, parsers, takes_now=timed, how=options, **own)
+    COMMANDS[name] = Command(name, function, parsers, timed, **options)
+
+
+def _after_model(function: Callable) -> list[str]:
+    """Return the parameters that a browser sends values for."""
+    parameters = list(inspect.signature(function).parameters.values())[1:]
+    return [one.name for one in parameters if one.kind is not one.KEYWORD_ONLY]
 
 
 def command(name: str, **options: Any) -> Callable[[Function], Function]:
-    """Register a function of the page's model and of typed parameters as a command. What a browser sends for a
-    parameter is checked by its annotation: `int` and `float` take finite numbers, `bool` a checkbox, `str` any text,
-    and `Annotated[T, parse]` what `parse` accepts, which raises ValueError, in words for the visitor, for all else. A
-    keyword-only parameter `now` is given the time in seconds. Raises ValueError for another annotation."""
+    """Register a function of the page's model and of typed parameters as a command.
+
+    What a browser sends for a parameter is checked by its annotation: `int` and `float` take finite numbers, `bool` a
+    checkbox, `str` any text, and `Annotated[T, parse]` what `parse` accepts, which raises ValueError, in words for the
+    visitor, for all else. A keyword-only parameter `now` is given the time in seconds. options: as of `add_command`.
+    Raises ValueError for another annotation.
+    """
 
     def register(function: Function) -> Function:
         hints = get_type_hints(function, include_extras=True)
-        parameters = list(inspect.signature(function).parameters.values())[1:]  # without the model
-        given = [one.name for one in parameters if one.kind is not one.KEYWORD_ONLY]
-        add(name, function, *(_parser(name, parameter, hints.get(parameter)) for parameter in given), **options)
+        parsers = (_parser(name, parameter, hints.get(parameter)) for parameter in _after_model(function))
+        add_command(name, function, *parsers, **options)
         return function
 
     return register

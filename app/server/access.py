@@ -60,8 +60,7 @@ class AccessControl:
             await handler(connection)
 
         asyncio.get_running_loop().set_exception_handler(self._tell_fault)
-        given = {"belongs_to_another": self.belongs_to_another}
-        create = partial(GuardedConnection, self.pending, self.seats, self.limits, **given)
+        create = partial(GuardedConnection, self.pending, self.seats, self.limits, self.belongs_to_another)
         answer = lambda connection, request: self._answer(connection, request, process_request)
         return plain(handle, host, port, **options | serving_options(create, answer, MOST_MESSAGE, self.limits))
 

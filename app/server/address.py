@@ -108,7 +108,8 @@ def listen(host: str, port: int) -> list[socket.socket]:
     listeners: list[socket.socket] = []
     for family, *_, place in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE):
         chosen = listeners[0].getsockname()[1] if listeners else port
-        listeners.append(socket.create_server((place[0], chosen, *place[2:]), family=family, backlog=BACKLOG))
+        listeners.append(_bind(family, (place[0], chosen, *place[2:])))
+        listeners[-1].listen(BACKLOG)
     return listeners
 
 
@@ -125,12 +126,29 @@ def require_free(host: str, port: int) -> None:
 def _is_free(host: str, port: int) -> bool:
     try:
         family, *_, place = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
-        socket.create_server(place, family=family).close()
+        _bind(family, place).close()
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
             return False
         raise OSError(f"cannot listen on {host}, port {port}: {error.strerror}") from None
     return True
+
+
+def _bind(family: int, place: tuple) -> socket.socket:
+    """Return a socket with a port that may have been left lately, but at which no program listens."""
+    bound = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        if sys.platform == "win32":  # where SO_REUSEADDR would take the port of a program that listens
+            bound.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
+        else:
+            bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        if family == socket.AF_INET6:
+            bound.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
+        bound.bind(place)
+    except OSError:
+        bound.close()
+        raise
+    return bound
 
 
 def address(host: str, port: int) -> str:

@@ -28,10 +28,12 @@ class GuardedConnection(Connection):
 
     client: ClientHandle | None = None
 
-    def __init__(self, pending: PendingConnections, seats: set["GuardedConnection"], limits: Limits, *args, **options):
-        self._belongs_to_another: Callable[[str], bool] = options.pop("belongs_to_another")
+    def __init__(
+        self, pending: PendingConnections, seats: set["GuardedConnection"], limits: Limits,
+        belongs_to_another: Callable[[str], bool], *args, **options,
+    ):  # fmt: skip
         super().__init__(pending, *args, **options)
-        self._seats, self._limits = seats, limits
+        self._seats, self._limits, self._belongs_to_another = seats, limits, belongs_to_another
         self._frames = TokenBucket(FRAMES_A_SECOND, FRAMES_AT_ONCE)
         self._refusals = TokenBucket(REFUSALS_A_SECOND, REFUSALS_AT_ONCE)
         self._validator: MessageValidator | None = None
@@ -88,7 +90,7 @@ class GuardedConnection(Connection):
         message = messages.read(raw)
         if self._validator is None:
             if self.client is None:
-                if message.type != "ViewerCameraMessage":
+                if not isinstance(message, messages.ViewerCameraMessage):
                     raise Hostile(f"{message.type} before the first view")
                 return
             self._validator = MessageValidator(self.client, self._belongs_to_another)

@@ -34,28 +34,73 @@ class Hostile(ValueError):
     """A message that no browser sends; its connection is closed."""
 
 
-_MESSAGES: dict[str, list[tuple[str, Any]]] = {  # fields by type, as in viser._messages
-    "ViewerCameraMessage": [
-        ("wxyz", Quaternion), *((name, Triple) for name in ("position", "look_at", "up_direction")),
-        *((name, Real) for name in ("fov", "near", "far")), ("image_height", Count), ("image_width", Count),
-    ],
-    "GuiUpdateMessage": [("uuid", Name), ("updates", dict[str, Any])],
-    "CommandTriggerMessage": [("uuid", Name)],
-    "TransformControlsUpdateMessage": [("name", Name), ("wxyz", Quaternion), ("position", Triple), ("owner", Name)],
-    "TransformControlsDragStartMessage": [("name", Name), ("owner", Name)],
-    "TransformControlsDragEndMessage": [("name", Name), ("owner", Name)],
-    "ScenePointerMessage": [
-        ("event_type", Literal["click"]), ("ray_origin", Triple), ("ray_direction", Triple),
-        ("screen_pos", tuple[Pair]), ("modifier", None),
-    ],
-    "FileTransferStartUpload": [
-        *((name, Name) for name in ("source_component_uuid", "transfer_uuid", "filename", "mime_type")),
-        ("part_count", Size), ("size_bytes", Size),
-    ],
-    "FileTransferPart": [
-        ("source_component_uuid", Name), ("transfer_uuid", Name), ("part_index", Size), ("content", bytes),
-    ],
-}  # fmt: skip
+class _Message(msgspec.Struct, forbid_unknown_fields=True):
+    type: str
+
+
+class ViewerCameraMessage(_Message):
+    wxyz: Quaternion
+    position: Triple
+    fov: Real
+    near: Real
+    far: Real
+    image_height: Count
+    image_width: Count
+    look_at: Triple
+    up_direction: Triple
+
+
+class GuiUpdateMessage(_Message):
+    uuid: Name
+    updates: dict[str, Any]
+
+
+class CommandTriggerMessage(_Message):
+    uuid: Name
+
+
+class TransformControlsUpdateMessage(_Message):
+    name: Name
+    wxyz: Quaternion
+    position: Triple
+    owner: Name
+
+
+class TransformControlsDragStartMessage(_Message):
+    name: Name
+    owner: Name
+
+
+class TransformControlsDragEndMessage(_Message):
+    name: Name
+    owner: Name
+
+
+class ScenePointerMessage(_Message):
+    event_type: Literal["click"]
+    ray_origin: Triple
+    ray_direction: Triple
+    screen_pos: tuple[Pair]
+    modifier: None
+
+
+class FileTransferStartUpload(_Message):
+    source_component_uuid: Name
+    transfer_uuid: Name
+    filename: Name
+    mime_type: Name
+    part_count: Size
+    size_bytes: Size
+
+
+class FileTransferPart(_Message):
+    source_component_uuid: Name
+    transfer_uuid: Name
+    part_index: Size
+    content: bytes
+
+
+Gizmo = TransformControlsUpdateMessage | TransformControlsDragStartMessage | TransformControlsDragEndMessage
 
 
 class _Kind(msgspec.Struct):
@@ -63,13 +108,10 @@ class _Kind(msgspec.Struct):
 
 
 _read_kind = msgspec.msgpack.Decoder(_Kind).decode
-_READERS = {
-    name: msgspec.msgpack.Decoder(msgspec.defstruct(name, [("type", str), *fields], forbid_unknown_fields=True)).decode
-    for name, fields in _MESSAGES.items()
-}
+_READERS = {kind.__name__: msgspec.msgpack.Decoder(kind).decode for kind in _Message.__subclasses__()}
 
 
-def read(raw: bytes | str) -> Any:
+def read(raw: bytes | str) -> _Message:
     """A message as it came. Raises Hostile, or Refused for values out of their range."""
     if isinstance(raw, str):
         raise Hostile("text, which is no message")
@@ -79,7 +121,7 @@ def read(raw: bytes | str) -> Any:
         raise Hostile(f"a malformed message: {error}") from None
     if kind not in _READERS:
         raise Hostile(f"a message of the type {kind[:40]!r}")
-    if len(raw) > MOST_BUT_PARTS and kind != "FileTransferPart":
+    if len(raw) > MOST_BUT_PARTS and kind != FileTransferPart.__name__:
         raise Hostile(f"a {kind} of more than {MOST_BUT_PARTS} bytes")
     try:
         return _READERS[kind](raw)
@@ -105,22 +147,22 @@ class MessageValidator:
     def __init__(self, client: viser.ClientHandle, belongs_to_another: Callable[[str], bool]):
         self._client, self._belongs_to_another = client, belongs_to_another
         self._uploads = Uploads(lambda transfer: viser_private.drop_upload(client, transfer))
-        self._checks: dict[str, Callable[[Any], None]] = {
-            "ViewerCameraMessage": lambda message: None,
-            "GuiUpdateMessage": self._check_update,
-            "CommandTriggerMessage": self._check_command,
-            "TransformControlsUpdateMessage": self._check_gizmo,
-            "TransformControlsDragStartMessage": self._check_gizmo,
-            "TransformControlsDragEndMessage": self._check_gizmo,
-            "ScenePointerMessage": self._check_click,
-            "FileTransferStartUpload": self._check_upload,
-            "FileTransferPart": self._uploads.add,
+        self._checks: dict[type[_Message], Callable[[Any], None]] = {
+            ViewerCameraMessage: lambda message: None,
+            GuiUpdateMessage: self._check_update,
+            CommandTriggerMessage: self._check_command,
+            TransformControlsUpdateMessage: self._check_gizmo,
+            TransformControlsDragStartMessage: self._check_gizmo,
+            TransformControlsDragEndMessage: self._check_gizmo,
+            ScenePointerMessage: self._check_click,
+            FileTransferStartUpload: self._check_upload,
+            FileTransferPart: self._uploads.add,
         }
 
-    def admit(self, message: Any) -> None:
-        self._checks[message.type](message)
+    def admit(self, message: _Message) -> None:
+        self._checks[type(message)](message)
 
-    def _check_update(self, message: Any) -> None:
+    def _check_update(self, message: GuiUpdateMessage) -> None:
         widget = self._own(message.uuid)
         if set(message.updates) != {"value"}:
             raise Hostile(f"other fields of a widget than its value: {', '.join(message.updates)[:80]}")
@@ -135,19 +177,19 @@ class MessageValidator:
             viser_private.push_value(self._client, widget)  # else the browser would go on showing the refused value
             raise
 
-    def _check_command(self, message: Any) -> None:
+    def _check_command(self, message: CommandTriggerMessage) -> None:
         if message.uuid not in viser_private.own(self._client).commands:
             raise Refused("a command that this page does not have")
 
-    def _check_gizmo(self, message: Any) -> None:
+    def _check_gizmo(self, message: Gizmo) -> None:
         if message.name not in viser_private.own(self._client).gizmos:
             raise Refused("a handle in the scene that this page does not have")
 
-    def _check_click(self, message: Any) -> None:
+    def _check_click(self, message: ScenePointerMessage) -> None:
         if not math.isclose(math.hypot(*message.ray_direction), 1, abs_tol=UNIT):
             raise Refused("a click along no direction")
 
-    def _check_upload(self, message: Any) -> None:
+    def _check_upload(self, message: FileTransferStartUpload) -> None:
         if not isinstance(self._own(message.source_component_uuid), viser.GuiUploadButtonHandle):
             raise Hostile("an upload to what takes none")
         self._uploads.begin(message)
@@ -166,10 +208,10 @@ class Uploads:
 
     def __init__(self, drop: Callable[[str], None]):
         self._drop = drop
-        self._going_on: dict[str, tuple[Any, set[int]]] = {}
+        self._going_on: dict[str, tuple[FileTransferStartUpload, set[int]]] = {}
         self._refused: str | None = None  # transfer whose parts are still on their way
 
-    def begin(self, message: Any) -> None:
+    def begin(self, message: FileTransferStartUpload) -> None:
         self._refused = message.transfer_uuid
         if message.size_bytes > MOST_BYTES:
             raise Refused(f"an upload of {message.size_bytes} bytes; at most {MOST_BYTES} are taken")
@@ -186,7 +228,7 @@ class Uploads:
                 UPLOAD_WITHIN, _end, weakref.WeakMethod(self.end), message.transfer_uuid
             )
 
-    def add(self, part: Any) -> None:
+    def add(self, part: FileTransferPart) -> None:
         if part.transfer_uuid not in self._going_on:
             was_refused = part.transfer_uuid == self._refused
             raise Refused("a part of an upload that was refused" if was_refused else "a part of no upload")
@@ -208,7 +250,7 @@ class Uploads:
 
 
 def _end(end: weakref.WeakMethod, transfer: str) -> None:
-    """Keeps nothing of a client that has gone."""
+    """End an upload of a client that is still there; the clock holds no client alive."""
     if (there := end()) is not None:
         there(transfer)
 

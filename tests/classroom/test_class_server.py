@@ -15,9 +15,12 @@ import urllib.request
 
 import pytest
 from class_server import CODE, ClassServer, Lecturer, Student
+from viewimit.assets import ROOT
 from waiting import stays, wait_until
 from websockets.exceptions import InvalidStatus
 
+CLASS = [sys.executable, "-I", "-m", "viewimit.commands.cli", "class", "--port", "0"]
+WITH_CODE = {**os.environ, "VIEWIMIT_LECTURER": CODE}
 STATE = {"lesson": "tour", "step": "eyes", "theta": [0.1, 0.2]}
 
 
@@ -508,24 +511,22 @@ def test_a_damaged_or_foreign_file_ends_in_a_sentence_and_stays_as_it_is(tmp_pat
     assert len(files) == 9
     for path in files:
         before = path.read_bytes()
-        command = [sys.executable, "-I", "-m", "viewimit.commands.cli", "class", "--port", "0", "--data", str(path)]
-        done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "VIEWIMIT_LECTURER": CODE})
+        done = subprocess.run([*CLASS, "--data", str(path)], capture_output=True, text=True, env=WITH_CODE)
         assert done.returncode == 2 and str(path) in done.stderr and "Traceback" not in done.stderr, done.stderr
         assert path.read_bytes() == before, path.name
 
 
+def test_lessons_that_no_page_can_show_are_refused_before_a_class_is_announced(tmp_path):
+    own = tmp_path / "own.toml"
+    own.write_text(ROOT.joinpath("lessons/limits.toml").read_text("utf-8").replace('"panda-toed"', '"iiwa"'), "utf-8")
+    command = [*CLASS, "--data", str(tmp_path / "a"), "--lesson", str(own)]
+    done = subprocess.run(command, capture_output=True, text=True, env=WITH_CODE)
+    assert done.returncode == 2 and "--lesson: no layout" in done.stderr and not done.stdout
+    assert not (tmp_path / "a").exists()
+
+
 def test_the_code_is_printed_on_a_terminal_alone(tmp_path):
-    command = [
-        sys.executable,
-        "-I",
-        "-m",
-        "viewimit.commands.cli",
-        "class",
-        "--port",
-        "0",
-        "--data",
-        str(tmp_path / "a"),
-    ]
+    command = [*CLASS, "--data", str(tmp_path / "a")]
     clean = {name: value for name, value in os.environ.items() if name != "VIEWIMIT_LECTURER"}
     done = subprocess.run(command, capture_output=True, text=True, env=clean)
     assert done.returncode == 2 and "VIEWIMIT_LECTURER" in done.stderr

@@ -8,7 +8,7 @@ from viewimit.app.commands import COMMANDS
 from viewimit.app.jobs.experiments import Run
 from viewimit.app.model.choices import AS_STARTED, OF_ARMS, OF_IMAGES, PRESETS, joint_choices, presets_from
 from viewimit.app.model.keeping import tab_link
-from viewimit.app.model.queue import NOT_TAKEN, PENDING_LIMIT, Command, CommandQueue
+from viewimit.app.model.queue import NOT_TAKEN, PENDING_LIMIT, Command, CommandQueue, add_command
 
 from viewimit.experiments import EXPERIMENTS
 from viewimit.loop.settings import Settings
@@ -117,6 +117,13 @@ def test_the_queue_keeps_the_newest_value_and_every_action_up_to_a_limit():
     assert 1 <= done.count("step") <= PENDING_LIMIT and told == [NOT_TAKEN] and queue.take() == []
 
 
+@pytest.mark.parametrize("parsers, options", [((), {}), ((int, int), {}), ((int,), {"order_indepedent": True})])
+def test_a_command_with_other_parsers_than_parameters_or_a_misspelt_option_is_none(parsers, options):
+    with pytest.raises((TypeError, ValueError)):
+        add_command("unheard of", lambda model, value, *, now: None, *parsers, **options)
+    assert "unheard of" not in COMMANDS
+
+
 def test_what_a_person_did_is_done_in_that_order(page):
     """A step that a slider or a reset precedes is another than one that they follow."""
     session, _, model, visitor = page
@@ -155,10 +162,8 @@ def test_an_experiment_is_asked_for_with_what_the_session_has_now(experimenting,
     visitor.set("motion", "circle of the hand")
     visitor.act("run", 0.0)
     (request,) = worker.asked
-    assert (request.name, request.settings) == (name, session.settings) and request.settings.demonstrator_deg == (
-        60,
-        -60,
-    )
+    assert (request.name, request.settings) == (name, session.settings)
+    assert request.settings.demonstrator_deg == (60, -60)
     assert request.options == ({"motion": "circle"} if name == "fig10" else {})
 
 

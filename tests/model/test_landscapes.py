@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from page_fakes import call, quiet_model
 from viewimit.app.model.computed import OwnLandscape
 
 from viewimit.drawing.export.panels import make_landscape
@@ -59,3 +60,12 @@ def test_while_the_demonstrator_is_dragged_only_coarse_ones_are_made(own, worker
     own.take(last())
     assert len(worker.makes) == 4
     assert own.made.E_true == pytest.approx(float(make_landscape(session.world, session.snapshot).E_true))
+
+
+def test_a_comparison_that_is_hidden_and_shown_between_two_drawings_is_computed(session):
+    model, _ = quiet_model(session.settings)
+    for presses in (1, 2):
+        for _ in range(presses):
+            call("compare").apply(model, 0.0)
+        model.ask_for_landscapes()
+    assert model.comparison.on and "computing" in model.comparison.html

@@ -1,5 +1,7 @@
 """What a visitor has left behind comes back whole: the reset, the preset, the start and the other branch."""
 
+from unittest.mock import Mock
+
 import pytest
 from page_fakes import Hands, quiet_model
 from viewimit.app.model.choices import PRESETS
@@ -93,3 +95,11 @@ def test_a_reset_in_a_duel_brings_back_both(visit):
     visitor.act("reset")
     visitor.act("duel")  # ends it: what was left had two learners
     assert model.past.here is None
+
+
+def test_a_preset_whose_duel_cannot_begin_is_still_the_one_that_is_chosen(visit, monkeypatch):
+    model, visitor = visit
+    monkeypatch.setattr(model.duel, "begin", Mock(side_effect=ValueError("no camera")))
+    with pytest.raises(ValueError, match="no camera"):
+        visitor.set("preset", "Five points")
+    assert model.preset.name == "Five points" and model.session.settings.points == 5

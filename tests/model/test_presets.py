@@ -3,9 +3,11 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import msgspec
 import numpy as np
 import pytest
 from viewimit.app.model.choices import PRESETS, presets_from
+from viewimit.app.presets import read_presets
 from viewimit.app.server.limits import ServerOptions
 
 from viewimit.analysis.self_assessment import Assessment, assess
@@ -69,14 +71,18 @@ def test_a_lesson_comes_true(preset):
     views = session.world.look(first.theta_demo, first.theta_demo)
     there = float(conflict(first.fit(views).residual(views)))
     off = [np.degrees(np.abs(moment.theta - moment.theta_demo).max()) for moment in session.history]
-    assert ENDS[preset.name](End(last, np.array(off), assess(session), first.E, there)), (
-        last.status,
-        last.motion,
-        off[-1],
-    )
+    end = End(last, np.array(off), assess(session), first.E, there)
+    assert ENDS[preset.name](end), (last.status, last.motion, off[-1])
 
 
 def test_the_page_begins_with_the_papers_method_and_offers_the_best_next():
     assert ServerOptions().settings == Settings.paper()
     assert next(iter(presets_from(ServerOptions().settings).values())).name == "The paper's experiment"
     assert [preset.settings for preset in PRESETS[:2]] == [Settings.paper(), Settings()]
+
+
+@pytest.mark.parametrize("line, what", [("sped = 2", "sped"), ('speed = "fast"', "speed"), ("key = 3", "key")])
+def test_a_preset_with_an_unknown_field_or_a_wrong_type_is_named(line, what):
+    wrong = f'[[preset]]\nname = "a"\nsays = "b"\n{line}\n' + ("" if what == "key" else 'key = "c"\n')
+    with pytest.raises(msgspec.ValidationError, match=what):
+        read_presets(wrong.encode())

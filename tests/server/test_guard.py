@@ -8,15 +8,16 @@ import urllib.error
 import urllib.request
 import weakref
 from concurrent.futures import ThreadPoolExecutor
-from types import SimpleNamespace
 
+import msgspec
 import pytest
 from browsing import PATIENCE_MS, PATIENCE_S, STATUS, sparing
 from protocol import VIEW, Client
 from serving import Server
+from viewimit.app.server import messages
 from viewimit.app.server.address import is_own_page
 from viewimit.app.server.connection import FRAMES_AT_ONCE, MOST_MESSAGE
-from viewimit.app.server.messages import MOST_BUT_PARTS, MOST_BYTES, PART, Refused, Uploads
+from viewimit.app.server.messages import MOST_BUT_PARTS, MOST_BYTES, PART, FileTransferPart, FileTransferStartUpload
 from viewimit.app.server.page_head import page_policy
 from waiting import wait_until
 from websockets.exceptions import InvalidStatus
@@ -194,45 +195,22 @@ def test_pings_count_as_a_flood_too(client):
     assert client.closed() is not None
 
 
+def begun(transfer: str, size: int, widget: str = "a") -> FileTransferStartUpload:
+    parts = -(-size // PART)
+    return FileTransferStartUpload("FileTransferStartUpload", widget, transfer, "motion.json", "", parts, size)
+
+
+def part_of(transfer: str, index: int, size: int = PART) -> FileTransferPart:
+    return FileTransferPart("FileTransferPart", "a", transfer, index, bytes(size))
+
+
 def begin_upload(client, transfer: str, size: int) -> None:
-    client.send(
-        {
-            "type": "FileTransferStartUpload",
-            "source_component_uuid": client.widgets["Load"],
-            "transfer_uuid": transfer,
-            "filename": "motion.json",
-            "mime_type": "application/json",
-            "part_count": -(-size // PART),
-            "size_bytes": size,
-        }
-    )
+    client.send(msgspec.structs.asdict(begun(transfer, size, client.widgets["Load"])))
 
 
 def send_part(client, transfer: str, index: int, content: bytes) -> None:
-    client.send(
-        {
-            "type": "FileTransferPart",
-            "source_component_uuid": client.widgets["Load"],
-            "transfer_uuid": transfer,
-            "part_index": index,
-            "content": content,
-        }
-    )
-
-
-def begun(transfer: str, size: int) -> SimpleNamespace:
-    return SimpleNamespace(
-        source_component_uuid="a",
-        transfer_uuid=transfer,
-        filename="motion.json",
-        mime_type="",
-        part_count=-(-size // PART),
-        size_bytes=size,
-    )
-
-
-def part_of(transfer: str, index: int, size: int = PART) -> SimpleNamespace:
-    return SimpleNamespace(source_component_uuid="a", transfer_uuid=transfer, part_index=index, content=bytes(size))
+    part = FileTransferPart("FileTransferPart", client.widgets["Load"], transfer, index, content)
+    client.send(msgspec.structs.asdict(part))
 
 
 def in_a_loop(coroutine):
@@ -245,11 +223,11 @@ def test_unfinished_uploads_stay_within_their_bound():
 
     async def taken():
         dropped: list[str] = []
-        uploads, admitted = Uploads(dropped.append), 0
+        uploads, admitted = messages.Uploads(dropped.append), 0
         for k in range(8):
             parts = [(uploads.add, part_of(f"t{k}", i), PART) for i in range(MOST_BYTES // PART - 1)]
             for admit, message, size in [(uploads.begin, begun(f"t{k}", MOST_BYTES), 0), *parts]:
-                with contextlib.suppress(Refused):
+                with contextlib.suppress(messages.Refused):
                     admit(message)
                     admitted += size
         uploads.end("t0")
@@ -262,7 +240,7 @@ def test_an_upload_keeps_nothing_of_a_client_that_has_gone():
     """Whether it was whole or not: the clock that would end it waits for a minute."""
 
     async def gone():
-        uploads = Uploads(lambda transfer: None)
+        uploads = messages.Uploads(lambda transfer: None)
         for name, size in (("whole", 9), ("half", PART + 1)):
             uploads.begin(begun(name, size))
             uploads.add(part_of(name, 0, min(size, PART)))

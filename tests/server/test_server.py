@@ -18,6 +18,8 @@ def test_a_taken_port_is_named_with_the_next_free_one():
         port = taken.getsockname()[1]
         with pytest.raises(PortInUse, match=rf"port {port} .* in use; try --port \d+"):
             require_free("127.0.0.1", port)
+    with pytest.raises(OSError, match=r"^cannot listen on 192\.0\.2\.1, port 8080: [^()]+$"):
+        require_free("192.0.2.1", 8080)
 
 
 @pytest.mark.parametrize(

@@ -16,9 +16,10 @@ from ..geometry.affine import MIN_POINTS, flatness
 from ..loop.snapshot import Snapshot
 from ..servo.certificate import MAX_STD_PER_PX
 from ..simulation.autoscene.surface import Surface, choose_layout, parts_of, sample_arm, visible_fraction
+from ..simulation.eyes import SimulatedEyes
 from ..simulation.meshes import Mesh, first_hit
 from ..simulation.robot import BodyPoints, link_meshes
-from ..simulation.world import SimulatedEyes, World
+from ..simulation.world import World
 
 FD_STEP_RAD = 1e-3
 MIN_SINGULAR_VALUE = 1e-9  # relative to the largest: directions below it are unobservable

@@ -9,8 +9,8 @@ def connected_components(count: int, one: NDArray[np.int_], other: NDArray[np.in
     group = np.arange(count)
     while (group[one] != group[other]).any():
         least = np.minimum(group[one], group[other])
-        for root in (group[one], group[other]):
-            np.minimum.at(group, root, least)
-        while (group[group] != group).any():
+        for roots in (group[one], group[other]):
+            np.minimum.at(group, roots, least)
+        while (group != group[group]).any():
             group = group[group]
     return group

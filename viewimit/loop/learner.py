@@ -254,9 +254,9 @@ def _in_order(now: Snapshot, demo: NDArray[np.float64], visible: NDArray[np.bool
 def average_looks(looks: Sequence[Images], noise_px: float, fixed_px: float) -> tuple[Images, float]:
     """Average looks at a body that stands still, and estimate the noise of the mean [px] by what the looks differ.
 
-    noise_px: of a coordinate in a look, as of the own images; fixed_px: the part of it that no averaging reduces. Too
-    few looks to outvote an outlier, or equal ones, which show no noise but an error that all have: the first of those
-    that show the most points.
+    noise_px: of a coordinate in a look, as of the own images; fixed_px: the part of it that no averaging reduces.
+    Returns (points (N, 4) px, visible (N, 2)) and px. With fewer than MIN_FRAMES looks, which outvote no outlier, or
+    equal ones, which show no noise, it returns the first look that shows most points.
     """
     fullest = max(looks, key=lambda look: int(np.count_nonzero(look[1])))
     if len(looks) < MIN_FRAMES:

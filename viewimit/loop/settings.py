@@ -3,7 +3,7 @@
 import reprlib
 import sys
 import warnings
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import KW_ONLY, dataclass
 from functools import cache
 from pathlib import PurePath
@@ -274,7 +274,7 @@ def _is_of(kind, value) -> bool:
 
 def _plain(value):
     """Tuples, texts and Python's numbers, which can be kept, compared and written."""
-    if type(value) in (float, int):  # nearly all, and links hold thousands
+    if type(value) in (float, int, str):  # nearly all, and links hold thousands
         return value
     if isinstance(value, (np.ndarray, np.generic)):
         value = value.tolist()
@@ -333,8 +333,11 @@ def disturbances(kind: type[D]) -> dict[str, D]:
 
 
 @cache  # asked for several times a motion
-def _of_kind(kind: Any) -> dict[str, Any]:
+def _found(kind: Any) -> dict[str, Any]:
     return {name: found for name, found in DISTURBANCES.items() if isinstance(found, kind)}
+
+
+_of_kind: Callable[[Any], dict[str, Any]] = _found
 
 
 def given(angles_deg: tuple[float, ...] | None) -> tuple[float, ...]:

@@ -184,7 +184,7 @@ def _coloured_part(picture: Picture, middle: float) -> tuple[tuple[int, int], tu
 
 
 def hit_range(hit: NDArray[np.bool_]) -> slice:
-    """Return where the first to the last are that are hit; empty if none is."""
+    """Return the slice from the first to the last True; an empty slice if there is none."""
     where = np.flatnonzero(hit)
     return slice(int(where[0]), int(where[-1]) + 1) if len(where) else slice(0, 0)
 

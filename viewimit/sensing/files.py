@@ -104,7 +104,7 @@ def parse_toml(content: bytes, kind: type = dict) -> Any:
         return msgspec.toml.decode(content.removeprefix(BOM_UTF8), type=kind)  # some editors write a byte order mark
     except RecursionError:
         raise ValueError("it nests too deeply") from None
-    except msgspec.MsgspecError as error:  # no ValueError before msgspec 0.21
+    except msgspec.MsgspecError as error:  # a ValueError since msgspec 0.21
         raise ValueError(str(error)) from None
 
 

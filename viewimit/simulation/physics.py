@@ -19,7 +19,8 @@ from numpy.typing import ArrayLike
 from ..assets import ROOT
 from ..geometry.arrays import Floats
 from ..geometry.rigid import rigid_transform, rotation_about_axis
-from .disturbances import ArmAmounts, SimulatedArm
+from .arms import SimulatedArm
+from .disturbances import ArmAmounts
 from .disturbances import drive as disturbed
 from .robot import Joint
 from .scene import Scene, load_robot
@@ -89,11 +90,10 @@ class PhysicalArm(SimulatedArm):
         for joint, angle in zip(self._joints, theta, strict=True):
             self._client.resetJointState(self._body, joint, float(angle))
         for joint, angle, effort, speed in zip(self._joints, command, self._effort, self._speed, strict=True):
-            by_position, most = self._client.POSITION_CONTROL, {"force": effort, "maxVelocity": speed}
-            gains = {"positionGain": STIFFNESS, "velocityGain": DAMPING}
             self._client.setJointMotorControl2(
-                self._body, joint, by_position, targetPosition=float(angle), **most, **gains
-            )
+                self._body, joint, self._client.POSITION_CONTROL, targetPosition=float(angle), force=effort,
+                maxVelocity=speed, positionGain=STIFFNESS, velocityGain=DAMPING,
+            )  # fmt: skip
         for _ in range(round(MAX_MOTION_S / STEP_S / CHECK_EVERY)):
             for _ in range(CHECK_EVERY):
                 self._client.stepSimulation()

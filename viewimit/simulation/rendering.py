@@ -13,10 +13,11 @@ from ..geometry.arrays import Floats
 from ..sensing.detection import Detections, detect, hit_range, reject_partly_hidden
 from .camera import Camera
 from .depth_buffer import DepthBuffer, Triangles, illumination
+from .eyes import SimulatedEyes
 from .meshes import Mesh
 from .robot import Angles, Markers, colours, link_meshes, load_markers
 from .scene import Scene
-from .world import SimulatedEyes, World
+from .world import World
 
 SAMPLES = 2  # for each pixel and axis, as a sensor gathers light over the whole pixel
 PEDESTAL_M = 0.16  # half the width
@@ -175,7 +176,7 @@ class RenderedEyes(SimulatedEyes):
 
     def __init__(self, scene: Scene):
         self.markers = load_markers(scene.robot)
-        self.world = World(scene, body=self.markers.body)
+        super().__init__(scene, body=self.markers.body)
         self.studio = Studio(self.world, self.markers)
         self.cameras: dict[str, Camera] = dict(zip(VIEWS, (*self.world.demo_cameras, *self.world.own_cameras)))
         rest = np.radians(scene.posture_deg)[scene.moving]

@@ -42,7 +42,7 @@ class RobotFileMissing(ValueError):
 class Eye(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One camera of the head, where it differs from the head's values."""
 
-    focal: tuple[float, float] | None = None  # fx, fy [px]
+    focal: tuple[float, float] | None = None  # focal lengths fx, fy [px]
     centre: tuple[float, float] | None = None  # principal point [px]
     distortion: tuple[float, float] = (0.0, 0.0)  # radial, k1, k2 of OpenCV's model
 
@@ -53,12 +53,12 @@ class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     position: Vector  # midpoint between the cameras [m]
     baseline: float  # distance of the cameras [m]
     image: tuple[int, int]  # width and height [px]
-    focal: float  # px
+    focal: float  # focal length [px]
     centre: tuple[float, float]  # principal point [px]
     gaze_demonstrator: Vector  # points that the head looks at [m]
-    gaze_learner: Vector
+    gaze_learner: Vector  # another such point [m]
     verged: bool = False  # each camera looks at the gaze point itself
-    toe_in_deg: float = 0.0  # otherwise, rotation of each camera inwards from parallel
+    toe_in_deg: float = 0.0  # otherwise, rotation of each camera inwards from parallel [deg]
     undistort: tuple[float, float] = (0.0, 0.0)  # radial distortion, k1, k2, that is removed from the images
     left: Eye = Eye()  # values of one camera, instead of the head's
     right: Eye = Eye()
@@ -73,7 +73,7 @@ class Base(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Where an arm stands."""
 
     position: Vector  # in the world [m]
-    yaw_deg: float = 0.0  # rotation about the vertical
+    yaw_deg: float = 0.0  # rotation about the vertical [deg]
 
 
 class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -82,13 +82,13 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     title: str
     robot: str  # shipped, or path of a URDF from the scene file; #base=LINK&tip=LINK&meshes=FOLDER may follow
     moving_joints: tuple[int, ...]  # those that imitate
-    range_deg: Limits  # of the moving joints
-    posture_deg: tuple[float, ...]  # of all joints: at rest, and the moving ones at the demonstrator's start
-    start_deg: tuple[float, ...]  # of the moving joints, at the learner's start
+    range_deg: Limits  # lowest and highest angle of each moving joint [deg]
+    posture_deg: tuple[float, ...]  # of all joints [deg]: at rest, and the moving ones at the demonstrator's start
+    start_deg: tuple[float, ...]  # of the moving joints, at the learner's start [deg]
     head: Head
     demonstrator: Base
     learner: Base
-    points: dict[str, tuple[BodyPoint, ...]]  # layouts of body points, by their number of points
+    points: dict[str, tuple[BodyPoint, ...]]  # (link, x, y, z) [m] of each, by their number
     size: float = 1.0  # scale of the page's drawings around the arms; 1 suits a robot of one metre
 
     @property

@@ -144,8 +144,8 @@ def _left_out_json(found: LeaveOneOut) -> dict | None:
     if not found.error_px:
         return None
     return {
-        "error_px": found.error_px,
-        "rectified_px": found.rectified_px,
+        "error_px": dict(found.error_px),
+        "rectified_px": None if found.rectified_px is None else dict(found.rectified_px),
         "rectified_ratio": found.ratio,
         "rectified_ratio_bound": found.ratio_bound,
         "predictions": found.predictions,

@@ -52,8 +52,8 @@ def image_windows(reach: Mapping[str, Floats], frame: tuple[int, int]) -> Window
     for whole, boxes in SIZES.items():
         for pair in ("lr", "LR"):
             spans = {view: np.array([(0, 0), frame], float) for view in pair}
-            for view in pair if not whole else ():
-                if len(reach[view]):
+            for view in pair:
+                if not whole and len(reach[view]):
                     spans[view] = np.array([reach[view].min(0), reach[view].max(0)])
             around = 0 if whole else 2 * MARGIN
             rooms = ((np.array(boxes[view]) - around) / np.maximum(np.ptp(spans[view], 0), 1.0) for view in pair)
@@ -62,8 +62,9 @@ def image_windows(reach: Mapping[str, Floats], frame: tuple[int, int]) -> Window
             corners = {view: (low + high - sizes[view]) / 2 for view, (low, high) in spans.items()}
             free = _free_corners({view: (reach[view] - corners[view]) / sizes[view] for view in pair})
             for view in pair:
-                (x, y), (w, h) = corners[view].tolist(), sizes[view].tolist()
-                windows[whole][view] = Window(x, y, w, h, float(scale), *free)
+                x, y = corners[view].tolist()
+                width, height = sizes[view].tolist()
+                windows[whole][view] = Window(x, y, width, height, float(scale), *free)
     return windows
 
 
@@ -71,7 +72,7 @@ def holds(windows: Windows, points: Mapping[str, Floats]) -> bool:
     """Say whether the windows show all these points, (k, 2) px by view."""
     shown = windows[False]
     places = [(seen - shown[view][:2]) / shown[view][2:4] for view, seen in points.items()]
-    return not any(((place < 0) | (place > 1)).any() for place in places)  # NaN is nowhere
+    return not any(((place < 0) | (place > 1)).any() for place in places)  # a hidden point, NaN, is nowhere else
 
 
 def _free_corners(places: dict[str, Floats]) -> tuple[bool, bool]:

@@ -84,8 +84,8 @@ def run(args: argparse.Namespace) -> int:
     files, files_of_both = _files_by_view(args)
     if files_of_both and args.aruco is None:
         raise options.BadInput(
-            f"{files_of_both[0]}: its name does not end in a view such as _demo_left; name it by {options.VIEW_OPTIONS}; "
-            f"both arms in one picture need markers with numbers: give --aruco"
+            f"{files_of_both[0]}: its name does not end in a view such as _demo_left; name it by "
+            f"{options.VIEW_OPTIONS}; both arms in one picture need markers with numbers: give --aruco"
         )
     names, detect = _ball_detector(args) if args.aruco is None else _square_detector(args)
     from ..sensing.detection import frame_rate, read_pictures  # loads OpenCV

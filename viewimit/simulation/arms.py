@@ -4,35 +4,14 @@ import importlib.util
 import platform
 import sys
 
-import numpy as np
-
-from ..geometry.arrays import Floats
-from .disturbances import ArmAmounts, any_active, drive
+from .disturbances import SimulatedArm
 from .robot import robot_names
 from .scene import Scene
 
+__all__ = ["DYNAMICS", "SimulatedArm", "open_arm", "require_arm"]
+
 DYNAMICS = ("none", "pybullet")
 WHEELS = "CPython 3.10 and 3.11 on Linux x86-64"  # of PyBullet; elsewhere pip would compile it for minutes
-
-
-class SimulatedArm:
-    """An arm of m moving joints. This one reaches what the disturbances leave of a command; others extend it."""
-
-    def __init__(self, scene: Scene):
-        self._scene = scene
-
-    def settle(self, theta: Floats) -> Floats:
-        """Return the posture at which the arm comes to rest when it is placed at theta, (m,) rad each."""
-        return theta
-
-    def drive(self, amounts: ArmAmounts, start: Floats, theta: Floats, sent: Floats, commanded: Floats) -> Floats:
-        """Return the posture that the arm reaches for a new command, (m,) rad each.
-
-        start: where the run began; theta, sent: present posture, and the last command.
-        """
-        if not any_active(amounts):
-            return commanded
-        return np.clip(drive(amounts, theta, theta + (commanded - sent)), self._scene.lower, self._scene.upper)
 
 
 def open_arm(dynamics: str, scene: Scene) -> SimulatedArm:

@@ -200,3 +200,23 @@ def drive(amounts: ArmAmounts, theta: Floats, commanded: Floats) -> Floats:
         if amount:
             commanded = disturbance.drive(theta, commanded, amount)
     return commanded
+
+
+class SimulatedArm:
+    """An arm of m moving joints. This one reaches what the disturbances leave of a command; others extend it."""
+
+    def __init__(self, scene: Scene):
+        self._scene = scene
+
+    def settle(self, theta: Floats) -> Floats:
+        """Return the posture at which the arm comes to rest when it is placed at theta, (m,) rad each."""
+        return theta
+
+    def drive(self, amounts: ArmAmounts, start: Floats, theta: Floats, sent: Floats, commanded: Floats) -> Floats:
+        """Return the posture that the arm reaches for a new command, (m,) rad each.
+
+        start: where the run began; theta, sent: present posture, and the last command.
+        """
+        if not any_active(amounts):
+            return commanded
+        return np.clip(drive(amounts, theta, theta + (commanded - sent)), self._scene.lower, self._scene.upper)

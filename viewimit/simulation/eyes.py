@@ -1,35 +1,10 @@
 """Simulated eyes of a session: projected points, or detections in rendered pictures."""
 
-from ..geometry.arrays import Floats
-from .robot import Angles, BodyPoints, marker_names
+from .robot import marker_names
 from .scene import Scene
-from .world import Visible, World
+from .world import SimulatedEyes
 
-
-class SimulatedEyes:
-    """How a simulated head sees N body points, matched by index; here as the cameras' geometry projects them.
-
-    Attributes
-    ----------
-    world : World
-        The ground truth, for viewers only.
-    noise_px : float
-        Standard deviation of an image coordinate [px], without disturbances.
-    """
-
-    noise_px: float = 0.0
-
-    def __init__(self, scene: Scene, points: int = 10, body: BodyPoints | None = None):
-        """points, body: as of `World`."""
-        self.world: World = World(scene, points, body=body)
-
-    def demo_images(self, theta: Angles) -> tuple[Floats, Visible]:
-        """Take the images of the demonstrator, [l] and [r], as `World.demo_images` returns them."""
-        return self.world.demo_images(theta)
-
-    def own_images(self, theta: Angles) -> tuple[Floats, Visible]:
-        """Take the images of the learner, [L] and [R]."""
-        return self.world.own_images(theta)
+__all__ = ["SimulatedEyes", "open_eyes", "require_eyes"]
 
 
 def open_eyes(sensor: str, scene: Scene, points: int) -> SimulatedEyes:

@@ -19,8 +19,7 @@ from numpy.typing import ArrayLike
 from ..assets import ROOT
 from ..geometry.arrays import Floats
 from ..geometry.rigid import rigid_transform, rotation_about_axis
-from .arms import SimulatedArm
-from .disturbances import ArmAmounts
+from .disturbances import ArmAmounts, SimulatedArm
 from .disturbances import drive as disturbed
 from .robot import Joint
 from .scene import Scene, load_robot

@@ -13,11 +13,10 @@ from ..geometry.arrays import Floats
 from ..sensing.detection import Detections, detect, hit_range, reject_partly_hidden
 from .camera import Camera
 from .depth_buffer import DepthBuffer, Triangles, illumination
-from .eyes import SimulatedEyes
 from .meshes import Mesh
 from .robot import Angles, Markers, colours, link_meshes, load_markers
 from .scene import Scene
-from .world import World
+from .world import SimulatedEyes, World
 
 SAMPLES = 2  # for each pixel and axis, as a sensor gathers light over the whole pixel
 PEDESTAL_M = 0.16  # half the width

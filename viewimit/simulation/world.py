@@ -190,6 +190,32 @@ def _placed(base: Base) -> Floats:
     return rigid_transform(rotation_about_axis([0, 0, 1], np.radians(base.yaw_deg)), base.position)
 
 
+class SimulatedEyes:
+    """How a simulated head sees N body points, matched by index; here as the cameras' geometry projects them.
+
+    Attributes
+    ----------
+    world : World
+        The ground truth, for viewers only.
+    noise_px : float
+        Standard deviation of an image coordinate [px], without disturbances.
+    """
+
+    noise_px: float = 0.0
+
+    def __init__(self, scene: Scene, points: int = 10, body: BodyPoints | None = None):
+        """points, body: as of `World`."""
+        self.world: World = World(scene, points, body=body)
+
+    def demo_images(self, theta: Angles) -> tuple[Floats, Visible]:
+        """Take the images of the demonstrator, [l] and [r], as `World.demo_images` returns them."""
+        return self.world.demo_images(theta)
+
+    def own_images(self, theta: Angles) -> tuple[Floats, Visible]:
+        """Take the images of the learner, [L] and [R]."""
+        return self.world.own_images(theta)
+
+
 def hand_position(world: World, theta: Floats, T_world_base: Floats) -> Floats:
     """Return the origin of the last link: (m,) rad -> (3,) m."""
     return world.link_frames(theta, T_world_base)[-1][:3, 3]

@@ -38,9 +38,6 @@ def same(track, who=0, likelihood=True, parts=PARTS, frames=FRAMES):
     np.testing.assert_allclose(sure, SURE[who][seen] if likelihood else 1.0, atol=1e-6)
 
 
-# DeepLabCut
-
-
 KINDS, INDICES = ("csv", "table", "fixed"), ("number", "path", "backslash", "levels")  # pandas writes no such table
 
 
@@ -99,9 +96,6 @@ def test_faults_of_deeplabcuts_tables_are_named(tmp_path, change, says):
     with pytest.raises(ValueError, match=says) as found:
         read_view(path)
     assert str(path) in str(found.value)
-
-
-# SLEAP
 
 
 @pytest.mark.parametrize("dims", [None, ("frame", "track", "node", "xy"), ("frame", "node", "xy", "track")])
@@ -216,9 +210,6 @@ def test_faults_of_arrays_are_named(tmp_path, arrays, says):
     assert str(path) in str(found.value)
 
 
-# Tables of people and of OpenCV and COLMAP
-
-
 @pytest.mark.parametrize(
     "heading, rows",
     [
@@ -309,9 +300,6 @@ def test_other_formats_are_refused_with_the_conversion(tmp_path, ask, name, says
     assert status == 2 and not out and err.count("\n") == 1 and name in err and says in err
 
 
-# Damage
-
-
 @pytest.mark.parametrize("name", ["t.h5", "f.h5", "a.h5", "s.slp", "s.csv", "d.csv", "n.npz", "n.npy", "p.csv"])
 def test_a_damaged_file_is_read_or_named(tmp_path, name):
     """Cut off anywhere, or with some bytes changed."""
@@ -338,9 +326,6 @@ def test_a_damaged_file_is_read_or_named(tmp_path, name):
             read_view(path, "m1")
         except ValueError as error:
             assert str(error).startswith(f"{path}: ") and "\n" not in str(error)
-
-
-# What README says
 
 
 def named_files(words):
@@ -414,8 +399,6 @@ def test_the_documented_commands_for_trackers_run(tmp_path, monkeypatch, ask_jso
             for view in VIEWS:
                 np.testing.assert_allclose(frame["seen"][VIEW_NAMES[view]], images[view][names], atol=0.4)
 
-
-# COLMAP
 
 COLMAP = """# Image list with two lines of data per image:
 #   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME

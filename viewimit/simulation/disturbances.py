@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.arrays import Floats
+from .scene import Scene
 
 OUTLIER_PX = 60.0  # largest error of a misplaced point's coordinate
 

@@ -43,7 +43,7 @@ def _kept(
     draw: Callable[Concatenate["Axes", Iterable[Tick], More], str],
 ) -> Callable[Concatenate["Axes", Iterable[Tick], More], str]:
     """Keep what is drawn: the same axes are drawn for many motions, and their words take longer than the curve."""
-    kept = lru_cache(256)(draw)
+    kept: Callable[..., str] = lru_cache(256)(draw)
 
     @wraps(draw)
     def drawn(axes: "Axes", ticks: Iterable[Tick], *more: More.args, **named: More.kwargs) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 from .estimation.transfers.registry import PROJECTIVE_MIN_POINTS
 from .estimation.views import VIEW_NAMES
 from .geometry.distortion import RadialDistortion
-from .loop.embodiment import require_in_workspace, workspace
+from .loop.arm_and_eyes import require_in_workspace, workspace
 from .loop.settings import FIELDS, OWN, USUAL_POINTS, Setting, Settings, disturbances, option
 from .sensing.files import MAX_NAME_CHARS, escape
 from .simulation.arms import require_arm

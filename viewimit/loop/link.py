@@ -17,7 +17,7 @@ from urllib.parse import parse_qsl, quote_plus
 import msgspec
 import numpy as np
 
-from .embodiment import to_degrees
+from .arm_and_eyes import to_degrees
 from .script import (
     MAX_ACTIONS,
     Action,

@@ -1,4 +1,4 @@
-"""The study `compare`. The laws that descend once begin again by `Restarts`.
+"""The study `compare`: all servo laws from the same draws. Those that descend once begin again by `Restarts`.
 
 python studies/compare.py bench compare --csv docs/comparison.csv
 """

@@ -3,6 +3,7 @@
 import io
 import itertools
 import re
+from contextlib import contextmanager
 from pathlib import Path
 
 import drawn
@@ -82,6 +83,29 @@ def sparing(tab):
     """Let a tab, or all of a window, spare what no test looks at, see `SPARING`; return it."""
     tab.add_init_script(SPARING)
     return tab
+
+
+@contextmanager
+def private_windows(*faulty: str, own: tuple[str, ...] = ("file:", "data:", "about:")):
+    """Gives a function, context → page, whose windows must ask nobody and have no fault.
+
+    faulty: kinds of messages; own: how addresses begin that are nobody's.
+    """
+    contexts, faults, requests = [], [], []
+
+    def page_of(context):
+        contexts.append(context)
+        page = context.new_page()
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.on("console", lambda said: faults.append(said.text) if said.type in faulty else None)
+        page.on("request", lambda request: requests.append(request.url))
+        return page
+
+    yield page_of
+    for context in contexts:
+        context.close()
+    assert faults == []
+    assert [url for url in requests if not url.startswith(own)] == []
 
 
 def open_page(browser, url: str, size: str = "least", **options):

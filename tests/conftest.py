@@ -26,11 +26,27 @@ METHOD = "geometry", "kinematics", "estimation", "servo", "golden"
 LONG = "test_site.py", "test_readme.py", "test_extension.py"
 WAITING = "test_faults.py", "test_deploy.py"
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
+ARM = """<robot name="r"><link name="base"/>
+<link name="upper"><visual><geometry><cylinder length="0.4" radius="0.05"/></geometry></visual></link>
+<link name="fore"><visual><geometry><box size="0.3 0.06 0.08"/></geometry></visual></link>
+<joint name="a" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 0.2"/><axis xyz="0 0 1"/>
+<limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+<joint name="b" type="revolute"><parent link="upper"/><child link="fore"/><origin xyz="0 0 0.4" rpy="0.3 0 0"/>
+<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint></robot>"""
 passed_in_browser: list[str] = []
 limit_blas_threads()  # thread of linear algebra, as commands do; no test has loaded numpy yet
 # How long an example takes is the machine's matter; the examples are the same in every run
 hypothesis.settings.register_profile("patient", deadline=None, derandomize=True)
 hypothesis.settings.load_profile("patient")
+
+
+@pytest.fixture
+def own_arm(tmp_path):
+    """The URDF of somebody's arm."""
+    path = tmp_path / "someones-folder" / "my-arm.urdf"
+    path.parent.mkdir()
+    path.write_text(ARM)
+    return path
 
 
 @pytest.fixture

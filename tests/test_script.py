@@ -98,3 +98,5 @@ def test_a_script_that_cannot_be_played_says_why():
         Session().play(Script(Settings.paper(), (msgspec.convert(["c", {"servo": "magic"}], type=Action),)))
     with pytest.raises(ValueError, match="demonstrator"):
         Session().play(Script(Settings.paper(), (MoveDemonstrator((9.0, 9.0)),)))
+    with pytest.raises(TypeError, match="no action of a script: 'dance'"):
+        Session().play(Script(Settings.paper(), ("dance",)))

@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from .estimation.transfers.transfer import conflict
     from .estimation.views import FourViews
     from .geometry.affine import fit_affine_fundamental
-    from .loop.embodiment import Arm, Eyes
+    from .loop.arm_and_eyes import Arm, Eyes
     from .loop.session import Session
     from .loop.settings import Settings
     from .loop.snapshot import RunResult, Snapshot
@@ -61,8 +61,8 @@ if TYPE_CHECKING:
     from .simulation.world import World
 
 _MODULES = {
-    "Arm": ".loop.embodiment",
-    "Eyes": ".loop.embodiment",
+    "Arm": ".loop.arm_and_eyes",
+    "Eyes": ".loop.arm_and_eyes",
     "FourViews": ".estimation.views",
     "Landscape": ".analysis.landscape",
     "Observation": ".servo",

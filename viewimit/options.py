@@ -14,7 +14,7 @@ import numpy as np
 from .estimation.transfers.registry import PROJECTIVE_MIN_POINTS
 from .estimation.views import VIEW_NAMES
 from .geometry.distortion import RadialDistortion
-from .loop.embodiment import require_in_workspace, workspace
+from .loop.arm_and_eyes import require_in_workspace, workspace
 from .loop.settings import FIELDS, OWN, USUAL_POINTS, Setting, Settings, disturbances, option
 from .sensing.files import MAX_NAME_CHARS, escape
 from .simulation.arms import require_arm
@@ -71,10 +71,9 @@ def add_settings(parser: argparse.ArgumentParser, *names: str, defaults: Setting
     """
     for name in names:
         field, value = FIELDS[name], getattr(defaults, name)
-        default = f"{value:g}" if isinstance(value, float) else str(value)
-        says = (
-            helps.get(name) or f"{_described(name, field)} ({isinstance(field, Setting) and field.default or default})"
-        )
+        default = field.default if isinstance(field, Setting) else ""
+        default = default or (f"{value:g}" if isinstance(value, float) else str(value))
+        says = helps.get(name) or f"{_described(name, field)} ({default})"
         kind = PARSERS.get(name) or TYPES[HINTS[name]]
         choices = field.choices if name == "rectify" and isinstance(field, Setting) else None
         metavar = None if choices else field.unit.upper() or "NAME"
@@ -103,7 +102,7 @@ def add_chain_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def listed(convert: Callable[[str], Any], needs: str) -> Callable[[str], tuple]:
+def comma_separated(convert: Callable[[str], Any], needs: str) -> Callable[[str], tuple]:
     """Make a type for argparse: values separated by commas. needs: what they are, with an example."""
 
     def parse(text: str) -> tuple:
@@ -117,13 +116,13 @@ def listed(convert: Callable[[str], Any], needs: str) -> Callable[[str], tuple]:
 
 def joints(text: str) -> tuple[int, ...] | str:
     """A type for argparse: numbers separated by commas, or all."""
-    return text if text == ALL else listed(int, "joints such as 2,4, or all")(text)
+    return text if text == ALL else comma_separated(int, "joints such as 2,4, or all")(text)
 
 
 def radial(text: str) -> tuple[float, ...]:
     """A type for argparse: k1 and k2."""
     needs = "2 numbers such as -0.05,0.01"
-    found = listed(float, needs)(text)
+    found = comma_separated(float, needs)(text)
     if len(found) != 2 or not np.isfinite(found).all():
         raise argparse.ArgumentTypeError(f"needs {needs}, got {text!r}")
     try:
@@ -299,7 +298,9 @@ HINTS = get_type_hints(Settings)
 PARSERS: dict[str, Callable[[str], Any]] = {
     "joints": joints,
     "undistort": radial,
-    "workspace_deg": listed(range_of, "ranges in degrees such as -30:60,-90:0"),
-    **dict.fromkeys(("demonstrator_deg", "start_deg"), listed(float, "degrees separated by commas, such as 45,-90")),
+    "workspace_deg": comma_separated(range_of, "ranges in degrees such as -30:60,-90:0"),
+    **dict.fromkeys(
+        ("demonstrator_deg", "start_deg"), comma_separated(float, "degrees separated by commas, such as 45,-90")
+    ),
 }
 TYPES: dict[Any, Callable[[str], Any]] = {str: str, str | None: str, int: int, float: float, float | None: float}

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from viewimit.analysis.trajectory import encode_motion
 from viewimit.drawing.export.panels import largest_residual
 from viewimit.loop import link
-from viewimit.loop.embodiment import to_degrees
+from viewimit.loop.arm_and_eyes import to_degrees
 from viewimit.loop.script import Script
 from viewimit.loop.session import Session
 from viewimit.loop.settings import DISTURBANCES, Settings

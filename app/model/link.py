@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 
 from viewimit.loop import link
-from viewimit.loop.embodiment import to_degrees
+from viewimit.loop.arm_and_eyes import to_degrees
 from viewimit.loop.history import MAX_HISTORY
 from viewimit.loop.script import Begin, ChangeSettings, MoveDemonstrator, Script
 from viewimit.loop.session import Session

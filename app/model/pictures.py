@@ -128,7 +128,9 @@ def _experiment(model: PageModel) -> Picture:
     if run is None or run.request is None or not run.claims:
         raise ValueError("the experiment is not done yet: run it in its tab")
     figure, asked = figures.stack([run.figure], EXPERIMENTS[run.name].title), run.request
-    text = figures.draw_claims([(one.name, one.paper, one.here, one.tolerance, one.holds) for one in run.claims])
+    text = figures.draw_claims(
+        [figures.ClaimRow(one.name, one.paper, one.here, one.tolerance, one.holds) for one in run.claims]
+    )
     cited = cite_experiment(run.name, asked.settings, asked.options.get("motion"))
     return Picture.of(figures.append_below(figure, text), cited)
 

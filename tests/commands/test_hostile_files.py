@@ -195,6 +195,11 @@ def tracks_of(path):
     return [word for name in VIEW_NAMES.values() for word in (option(name), path)]
 
 
+def test_a_line_of_digits(tmp_path, refused):
+    (tmp_path / "own.csv").write_text("1" * 100_000)
+    assert "no column point" in refused("evaluate", *tracks_of(tmp_path / "own.csv"))
+
+
 def npy(shape, content=b"", descr="<f8"):
     header = f"{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}".encode()
     header += b" " * (-(len(header) + 11) % 64) + b"\n"

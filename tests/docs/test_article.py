@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from browsing import private_windows
 from viewimit.app.lab.article.page import FIGURES, TURNED
 from waiting import wait_until
 
@@ -40,24 +41,15 @@ def path(tmp_path_factory):
 @pytest.fixture
 def opened(browser, path):
     """Opens the figures in windows of their own, which must ask nobody and have no fault."""
-    contexts, faults, requests = [], [], []
 
     def open_(width=900, height=900, **options):
-        context = browser.new_context(viewport={"width": width, "height": height}, **options)
-        contexts.append(context)
-        page = context.new_page()
-        page.on("pageerror", lambda error: faults.append(str(error)))
-        page.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
-        page.on("request", lambda request: requests.append(request.url))
+        page = page_of(browser.new_context(viewport={"width": width, "height": height}, **options))
         page.goto(path.as_uri())
         page.evaluate(BEGIN_ALL)
         return page
 
-    yield open_
-    for context in contexts:
-        context.close()
-    assert faults == []
-    assert [url for url in requests if not url.startswith(("file:", "data:"))] == []
+    with private_windows("error", own=("file:", "data:")) as page_of:
+        yield open_
 
 
 def seen(scene, start=(45, -90), **settings):

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings, strategies
 
 from viewimit import Session
-from viewimit.loop.embodiment import waypoints
+from viewimit.loop.arm_and_eyes import waypoints
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
 

@@ -2,20 +2,11 @@
 
 import numpy as np
 import pytest
+from test_transfers import PX, affine_views
 
 from viewimit.estimation.transfers import epipolar
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import fit_affine_fundamental
-
-PX = 60.0  # size of the random bodies
-
-
-def affine_views(rng, count=10, batch=(), noise=0.0):
-    """Four exact affine images of one random body, or of a batch of learners' postures, px."""
-    body = rng.normal(size=(count, 3)) * PX
-    learners = body if batch == () else rng.normal(size=batch + (count, 3)) * PX
-    images = [points @ rng.normal(size=(3, 2)) + rng.uniform(0, 300, 2) for points in (body, body, learners, learners)]
-    return FourViews.from_images(*(image + noise * rng.normal(size=image.shape) for image in images))
 
 
 def plain_system(views):

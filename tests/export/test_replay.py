@@ -20,13 +20,6 @@ from viewimit.loop.settings import Settings
 
 replace = msgspec.structs.replace
 MB = 1_000_000
-ARM = """<robot name="r"><link name="base"/>
-<link name="upper"><visual><geometry><cylinder length="0.4" radius="0.05"/></geometry></visual></link>
-<link name="fore"><visual><geometry><box size="0.3 0.06 0.08"/></geometry></visual></link>
-<joint name="a" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 0.2"/><axis xyz="0 0 1"/>
-<limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
-<joint name="b" type="revolute"><parent link="upper"/><child link="fore"/><origin xyz="0 0 0.4" rpy="0.3 0 0"/>
-<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint></robot>"""
 
 
 def unpacked(replay):
@@ -83,16 +76,13 @@ def test_the_map_has_E_over_both_joints(session, replay):
     assert found["E_true"] == pytest.approx(make_landscape(session.world, moment).E_true)
 
 
-def test_it_says_what_repeats_it_and_tells_no_folder(tmp_path, ask_json):
-    path = tmp_path / "someones-folder" / "my-arm.urdf"
-    path.parent.mkdir()
-    path.write_text(ARM)
-    session = Session(Settings(scene=str(path), start_deg=(20, 30), demonstrator_deg=(40, 40), points=10))
+def test_it_says_what_repeats_it_and_tells_no_folder(own_arm, ask_json):
+    session = Session(Settings(scene=str(own_arm), start_deg=(20, 30), demonstrator_deg=(40, 40), points=10))
     session.run(4)
     replay = viewimit.replay(session)
     cited = cite(session)
     assert "someones-folder" not in replay.html and "--scene=my-arm.urdf" in cited.command
-    words = cited.command.replace("my-arm.urdf", str(path)).split()
+    words = cited.command.replace("my-arm.urdf", str(own_arm)).split()
     _, result = ask_json(*words[1:-1])
     assert result["final_deg"] == pytest.approx(np.degrees(session.snapshot.theta), abs=1e-6)
     assert f"viewimit {viewimit.__version__}" in replay.html and "seed 7" in replay.html

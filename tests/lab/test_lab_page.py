@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from browsing import sparing
+from browsing import private_windows, sparing
 from msgspec.structs import replace
 from viewimit.app.lab.page import lab_page
 from viewimit.app.lab.recording import lab_methods
@@ -17,13 +17,6 @@ from waiting import wait_until
 from viewimit import Session, Settings
 
 MB = 1_000_000
-ARM = """<robot name="r"><link name="base"/>
-<link name="upper"><visual><geometry><cylinder length="0.4" radius="0.05"/></geometry></visual></link>
-<link name="fore"><visual><geometry><box size="0.3 0.06 0.08"/></geometry></visual></link>
-<joint name="a" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 0.2"/><axis xyz="0 0 1"/>
-<limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
-<joint name="b" type="revolute"><parent link="upper"/><child link="fore"/><origin xyz="0 0 0.4" rpy="0.3 0 0"/>
-<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint></robot>"""
 NOW = """() => {
     const {theta, thetaDemo, E, motion, status} = lab.session().now;
     return {theta, thetaDemo, E, motion, status};
@@ -55,15 +48,9 @@ def path(lab, tmp_path_factory):
 @pytest.fixture
 def opened(browser, path):
     """Opens the file in windows of their own, which must ask nobody and have no fault."""
-    contexts, faults, requests = [], [], []
 
     def open_(address="", width=1000, height=700, ready=True, before=None, unfolded=True, **options):
-        context = sparing(browser.new_context(viewport={"width": width, "height": height}, **options))
-        contexts.append(context)
-        page = context.new_page()
-        page.on("pageerror", lambda error: faults.append(str(error)))
-        page.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
-        page.on("request", lambda request: requests.append(request.url))
+        page = page_of(sparing(browser.new_context(viewport={"width": width, "height": height}, **options)))
         page.add_init_script(before or WANTS_3D)
         page.goto(path.as_uri() + address)
         if ready:
@@ -72,11 +59,8 @@ def opened(browser, path):
             page.evaluate("document.querySelectorAll('.panel details').forEach(one => { one.open = true; })")
         return page
 
-    yield open_
-    for context in contexts:
-        context.close()
-    assert faults == []
-    assert [url for url in requests if not url.startswith(("file:", "data:", "about:"))] == []
+    with private_windows("error") as page_of:
+        yield open_
 
 
 def now(page):
@@ -115,9 +99,8 @@ def test_the_file_is_small_and_its_policy_is_strict(lab):
     assert re.findall(r'\b(?:src|href)="(?!data:|#)[^"]*"', lab) == []
 
 
-def test_the_command_writes_it_for_a_robot_of_ones_own_and_says_what_it_cannot(ask, tmp_path):
-    (tmp_path / "arm.urdf").write_text(ARM)
-    status, _, said = ask("lab", "--scene", tmp_path / "arm.urdf", "--out", tmp_path / "arm.html")
+def test_the_command_writes_it_for_a_robot_of_ones_own_and_says_what_it_cannot(ask, own_arm, tmp_path):
+    status, _, said = ask("lab", "--scene", own_arm, "--out", tmp_path / "arm.html")
     assert status == 0 and "written to" in said
     written = (tmp_path / "arm.html").read_text("utf-8")
     assert len(written.encode()) < 0.8 * MB

@@ -2,6 +2,7 @@
 
 import pytest
 import walking
+from browsing import private_windows
 from waiting import wait_until
 
 pytestmark = pytest.mark.browser
@@ -26,16 +27,10 @@ def path(tmp_path_factory):
 @pytest.fixture
 def opened(browser, path):
     """Opens the lesson in windows of their own, which must ask nobody and have no fault."""
-    contexts, faults, requests = [], [], []
 
     def open_(step="", seed=4, size=(1280, 720), before=None, **options):
         options = {"reduced_motion": "reduce", **options}
-        context = browser.new_context(viewport={"width": size[0], "height": size[1]}, **options)
-        contexts.append(context)
-        page = context.new_page()
-        page.on("pageerror", lambda error: faults.append(str(error)))
-        page.on("console", lambda said: faults.append(said.text) if said.type in ("error", "warning") else None)
-        page.on("request", lambda request: requests.append(request.url))
+        page = page_of(browser.new_context(viewport={"width": size[0], "height": size[1]}, **options))
         if before:
             page.add_init_script(before)
         page.goto(path.as_uri() + (f"#lesson=walk&step={step}&seed={seed}" if step else ""))
@@ -43,11 +38,8 @@ def opened(browser, path):
         settled(page)
         return page
 
-    yield open_
-    for context in contexts:
-        context.close()
-    assert faults == []
-    assert [url for url in requests if not url.startswith(("file:", "data:", "about:"))] == []
+    with private_windows("error", "warning") as page_of:
+        yield open_
 
 
 def settled(page):

@@ -4,6 +4,7 @@ import re
 from math import hypot, radians
 
 import pytest
+from browsing import private_windows
 from viewimit.app.lab.lessons.page import lesson_page
 from viewimit.app.lab.lessons.source import ORDER, shipped
 from waiting import wait_until
@@ -26,21 +27,14 @@ def folder(tmp_path_factory):
 
 @pytest.fixture
 def opened(browser, folder):
-    contexts, faults = [], []
-
     def open_(name, **options):
-        contexts.append(browser.new_context(reduced_motion="reduce", **options))
-        page = contexts[-1].new_page()
-        page.on("pageerror", lambda error: faults.append(str(error)))
-        page.on("console", lambda said: faults.append(said.text) if said.type in ("error", "warning") else None)
+        page = page_of(browser.new_context(reduced_motion="reduce", **options))
         page.goto(folder.joinpath(f"{name}.html").as_uri() + f"#lesson={name}&step={shipped()[name].step[0].id}&seed=2")
         wait_until(lambda: page.evaluate("typeof lesson === 'object'"))
         return page
 
-    yield open_
-    for context in contexts:
-        context.close()
-    assert faults == []
+    with private_windows("error", "warning") as page_of:
+        yield open_
 
 
 def settled(page):

@@ -13,11 +13,7 @@ NAMES = [f"p{k}" for k in range(6)]
 
 
 def rows_of(view, frame=str, point=NAMES.__getitem__):
-    return [
-        ([frame(t), point(k), *map(str, IMAGE[view, t, k])], bool(HIDDEN[view, t, k]))
-        for t in range(3)
-        for k in range(6)
-    ]
+    return [([frame(t), point(k), *map(str, IMAGE[view, t, k])], bool(HIDDEN[view, t, k])) for t, k in np.ndindex(3, 6)]
 
 
 def plain(folder, heading="frame,point,x,y", more=lambda hidden: "", separator=",", first=(), **of):
@@ -59,12 +55,8 @@ def arrays(folder, **more):
     paths = {}
     for v, view in enumerate(VIEWS):
         paths[view] = folder / f"{VIEW_NAMES[view]}.npz"
-        np.savez(
-            paths[view],
-            pred_tracks=IMAGE[v],
-            names=np.array(NAMES, "SU"[v % 2]),
-            **{name: of(HIDDEN[v]) for name, of in more.items()},
-        )
+        seen = {name: of(HIDDEN[v]) for name, of in more.items()}
+        np.savez(paths[view], pred_tracks=IMAGE[v], names=np.array(NAMES, "SU"[v % 2]), **seen)
     return read_files(paths)
 
 

@@ -1,9 +1,12 @@
 """Balls are found where they are drawn, by their own hue, and not where they are hidden; pictures drawn here, not by
 the renderer."""
 
+import sys
+
 import numpy as np
 import pytest
 
+from viewimit.geometry.components import connected_components
 from viewimit.sensing.detection import detect, read_pictures
 from viewimit.simulation.robot import colours, load_markers
 
@@ -55,6 +58,20 @@ def test_grey_pictures_have_no_marker_and_the_larger_of_two_blobs_counts():
     red = colours(0.0)
     found = detect(drawn([(30, 40, 3.5, red), (100, 40, 4.5, red)]), HUES)
     np.testing.assert_allclose(found.points[0], (100, 40), atol=0.06)
+
+
+def test_whatever_is_connected_is_one_component_soon_however_long():
+    """As a plain loop finds; a U of 1,500 rows, whose sides meet in the last row alone, in a few rounds."""
+    rng, count, down = np.random.default_rng(0), 3000, np.arange(2999)
+    rounds = []
+    for one, other in (*rng.integers(0, count, (3, 2, 2000)), (down, np.minimum(down + 2, count - 1))):
+        plain = np.arange(count)
+        for a, b in zip(one, other):
+            plain[plain == max(plain[a], plain[b])] = min(plain[a], plain[b])
+        sys.setprofile(lambda _, event, called: rounds.append(called) if event == "c_call" else None)
+        found = connected_components(count, one, other)
+        sys.setprofile(None)
+        assert found.tolist() == plain.tolist() and len(rounds) < 500
 
 
 def test_files_that_are_no_pictures_are_named(tmp_path):

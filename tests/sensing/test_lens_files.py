@@ -50,12 +50,9 @@ def test_yaml_of_ros_and_kalibr(tmp_path, kind, flow):
 @pytest.mark.parametrize("ending", ["yml", "xml", "json"])
 @pytest.mark.parametrize(
     "keys",
-    [
-        (("camera_matrix", "distortion_coefficients"),),
-        (("M1", "D1"), ("M2", "D2")),
-        (("K_left", "D_left"), ("K_right", "D_right")),
-    ],
-)
+    [(("camera_matrix", "distortion_coefficients"),), (("M1", "D1"), ("M2", "D2")),
+     (("K_left", "D_left"), ("K_right", "D_right"))],
+)  # fmt: skip
 def test_opencvs_file_storage(tmp_path, ending, keys):
     cv2 = pytest.importorskip("cv2")
     path = tmp_path / f"stereo.{ending}"
@@ -110,6 +107,15 @@ def test_a_damaged_file_is_named(tmp_path, name, text):
     (tmp_path / name).write_text(text)
     with pytest.raises(ValueError, match=name):
         read_lenses(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["{t: 2020-01-01 12:30:00}", "{url: http://x, y:[1, {z:2},]}", "[C:/x, camera:0]", '["x, ]", {"a b": \'}, {\'}]'],
+)
+def test_whatever_stands_in_brackets_beside_the_matrix(tmp_path, text):
+    (tmp_path / "a.yaml").write_text(f'cams: [{{"name": "x, ]", k: {K}, beside: {text}, D:{D}, size: [640, 480]}},]\n')
+    assert read_lenses(tmp_path / "a.yaml") == {"x, ]": LENS}
 
 
 def table(path, by_camera):

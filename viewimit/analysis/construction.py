@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.affine import LINE_VIEWS, POINT_VIEWS
+from ..geometry.arrays import Floats
 from ..loop.snapshot import Snapshot
 
 FD_STEP_PX = 0.5
@@ -26,11 +27,11 @@ CROSSING = np.array(
 class Construction:
     """The transfer of one point. The 95 % ellipses are for noise of 1 px in each coordinate of [l], [r]."""
 
-    recovered: NDArray[np.float64]  # (2, 2) px in L, R
-    half_axes: NDArray[np.float64]  # (2, 2) px of the ellipses in L, R, the longer one first
-    direction: NDArray[np.float64]  # (2,) rad of the longer half axis
-    angle: NDArray[np.float64] | None  # (2,) rad, 0 … π/2, between the lines in L, R; None without lines
-    steps: NDArray[np.float64] | None  # (4, 5, 2) px in l, r, L, R, from the centroid to the point; None with lines
+    recovered: Floats  # (2, 2) px in L, R
+    half_axes: Floats  # (2, 2) px of the ellipses in L, R, the longer one first
+    direction: Floats  # (2,) rad of the longer half axis
+    angle: Floats | None  # (2,) rad, 0 … π/2, between the lines in L, R; None without lines
+    steps: Floats | None  # (4, 5, 2) px in l, r, L, R, from the centroid to the point; None with lines
 
 
 def construct(snapshot: Snapshot, point: int) -> Construction | None:

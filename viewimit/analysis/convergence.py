@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
 from ..loop.session import Session
 from ..loop.settings import Settings
 from ..loop.snapshot import Snapshot
@@ -29,8 +30,8 @@ Place = Literal["demonstrator", "smallest E", "elsewhere"]
 class Ending:
     """The end of one run."""
 
-    start: NDArray[np.float64]  # (2,) rad
-    end: NDArray[np.float64]  # (2,) rad
+    start: Floats  # (2,) rad
+    end: Floats  # (2,) rad
     place: Place
     claimed: bool  # whether the servo says that it has converged
 
@@ -39,7 +40,7 @@ class Ending:
 class Basin:
     """The basin of attraction of a transfer and a servo, sampled by runs."""
 
-    starts: NDArray[np.float64]  # (k, 2) rad
+    starts: Floats  # (k, 2) rad
     endings: tuple[Ending, ...]  # of the runs made so far, in the order of the starts
 
     def count(self, place: Place, claimed: bool | None = None) -> int:
@@ -47,7 +48,7 @@ class Basin:
         return sum(one.place == place and claimed in (None, one.claimed) for one in self.endings)
 
 
-def spread_starts(scene: Scene, counts: tuple[int, int] = STARTS) -> NDArray[np.float64]:
+def spread_starts(scene: Scene, counts: tuple[int, int] = STARTS) -> Floats:
     """Return the midpoints of equal parts of the range, (k, 2) rad; counts: parts of each joint's range."""
     sides = [low + (np.arange(n) + 0.5) / n * (high - low) for n, low, high in zip(counts, scene.lower, scene.upper)]
     return np.stack(np.meshgrid(*sides, indexing="ij"), -1).reshape(-1, 2)
@@ -74,12 +75,12 @@ def find_basin(
     return found
 
 
-def smallest_E(session: Session) -> NDArray[np.float64]:
+def smallest_E(session: Session) -> Floats:
     """Return the grid posture with the smallest E for the demonstrator as now seen, (2,) rad; NaN if there is none."""
     return landscape_over(*seen_from(session.world, session.snapshot), grid_axes(session.world)).minimum
 
 
-def place_of(theta: NDArray[np.float64], theta_demo: NDArray[np.float64], lowest: NDArray[np.float64]) -> Place:
+def place_of(theta: Floats, theta_demo: Floats, lowest: Floats) -> Place:
     """Classify where a run ended; all postures (2,) rad."""
     error = lambda target: np.degrees(np.abs(theta - target)).max()
     if error(theta_demo) <= NEAR_DEG:

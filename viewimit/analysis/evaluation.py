@@ -14,6 +14,7 @@ from ..estimation.transfers.registry import ILL_CONDITIONED, PROJECTIVE_MIN_POIN
 from ..estimation.transfers.transfer import FLAT, FLATNESS, conflict
 from ..estimation.views import VIEW_NAMES, VIEWS, FourViews, extents, why_degenerate
 from ..geometry.affine import MIN_POINTS, fit_affine_fundamental
+from ..geometry.arrays import Floats
 from ..geometry.handedness import Handedness, principal_axes
 from ..geometry.rectification import Rectification
 from .leave_one_out import LeaveOneOut, leave_one_out
@@ -37,9 +38,9 @@ class Frame:
     condition: float | None = None  # of the transfer
     flatness: float | None = None  # of the demonstrator's points
     rms_px: float | None = None  # of the n points in [L], [R]
-    fundamental: Mapping[tuple[str, str], NDArray[np.float64]] | None = None  # (5,) f13 f23 f31 f32 f33 by PAIRS
-    seen: Mapping[str, NDArray[np.float64]] | None = None  # (n, 2) px by the view's full name
-    recovered: Mapping[str, NDArray[np.float64]] | None = None  # (n, 2) px in the own views
+    fundamental: Mapping[tuple[str, str], Floats] | None = None  # (5,) f13 f23 f31 f32 f33 by PAIRS
+    seen: Mapping[str, Floats] | None = None  # (n, 2) px by the view's full name
+    recovered: Mapping[str, Floats] | None = None  # (n, 2) px in the own views
     weak: str | None = None  # what speaks against the result
     mirrored: bool | None = None  # whether the fit is a reflection; None if the points are too flat to tell
 

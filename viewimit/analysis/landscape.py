@@ -7,7 +7,7 @@ import reprlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..estimation.transfers import TRANSFERS
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS
+from ..geometry.arrays import Floats
 from ..geometry.small_matrices import keep_freed_memory
 from ..loop.session import Session
 from ..loop.snapshot import Snapshot
@@ -23,7 +24,6 @@ from ..simulation.robot import Angles
 from ..simulation.world import World
 
 OwnImages = World | SimulatedEyes  # gives the learner's images at any posture
-Images = TypeVar("Images", World, SimulatedEyes)
 EVALUATED_POINTS = 55_000  # evaluated together, over all postures: their arrays stay in the processor's cache
 STEP_DEG = {"projected": 1.0, "rendered": 10.0}  # of the grid, by sensor; two pictures take a tenth of a second
 PROJECTED_POINTS = 10 * EVALUATED_POINTS  # projected together: their images stay below `KEPT_BYTES`
@@ -33,12 +33,12 @@ PROJECTED_POINTS = 10 * EVALUATED_POINTS  # projected together: their images sta
 class Landscape:
     """E on a grid of two joints."""
 
-    axes: tuple[NDArray[np.float64], NDArray[np.float64]]  # angles of the two joints, rad
-    E: NDArray[np.float64]  # (len(axes[0]), len(axes[1])) px², NaN where too few points are visible
-    condition: NDArray[np.float64] | None = None  # of the transfer, shaped as E; None unless computed
+    axes: tuple[Floats, Floats]  # angles of the two joints, rad
+    E: Floats  # (len(axes[0]), len(axes[1])) px², NaN where too few points are visible
+    condition: Floats | None = None  # of the transfer, shaped as E; None unless computed
 
     @property
-    def minimum(self) -> NDArray[np.float64]:
+    def minimum(self) -> Floats:
         """(2,) rad, the grid posture with the smallest E; NaN if E is NaN everywhere."""
         if np.isnan(self.E).all():
             return np.full(2, np.nan)
@@ -52,7 +52,7 @@ class Landscape:
         np.copyto(E[1:-1, 1:-1], self.E, where=~np.isnan(self.E))
         return E
 
-    def local_minima(self) -> NDArray[np.float64]:
+    def local_minima(self) -> Floats:
         """Find the grid points that are lower than all of their neighbours, up to eight.
 
         Returns
@@ -101,7 +101,7 @@ class Landscape:
 _NEIGHBOURS = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
 
 
-def grid_axes(world: World, step_deg: float = 1.0) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def grid_axes(world: World, step_deg: float = 1.0) -> tuple[Floats, Floats]:
     """Divide the scene's ranges of its two moving joints into steps; angles in rad.
 
     Raises ValueError unless two joints move, and for a step outside 0° to 45°.
@@ -159,19 +159,26 @@ def landscape(
     return landscape_over(*seen, grid_axes(session.world, step), with_condition)
 
 
-def seen_from(
-    world: Images, now: Snapshot, by: str | None = None
-) -> tuple[Images, Callable, NDArray[np.float64], NDArray[np.bool_]]:
-    """Return the first arguments of `conflict_at`, of the demonstrator as the learner now has it. by: the transfer."""
-    return world, partial(now.fit, by=by), now.views.demo, now.views.visible[:, :2]
+class SeenDemonstrator(NamedTuple):
+    """The demonstrator as a learner has it, and how that sees itself: the first arguments of `conflict_at`."""
+
+    world: OwnImages
+    fit: Callable  # fits a transfer to `FourViews`
+    demo: Floats  # (N, 4) px, in [l] and [r]
+    demo_visible: NDArray[np.bool_]  # (N, 2)
+
+
+def seen_from(world: OwnImages, now: Snapshot, by: str | None = None) -> SeenDemonstrator:
+    """Return the demonstrator as the learner now has it. by: the transfer."""
+    return SeenDemonstrator(world, partial(now.fit, by=by), now.views.demo, now.views.visible[:, :2])
 
 
 def landscape_over(
     world: OwnImages,
     fit: Callable,
-    demo: NDArray[np.float64],
+    demo: Floats,
     demo_visible: NDArray[np.bool_],
-    axes: tuple[NDArray[np.float64], NDArray[np.float64]],
+    axes: tuple[Floats, Floats],
     with_condition: bool = False,
 ) -> Landscape:
     """Compute E over a grid of the learner's postures. axes: rad; the other arguments are those of `conflict_at`."""
@@ -186,11 +193,11 @@ def landscape_over(
 def conflict_at(
     world: OwnImages,
     fit: Callable,
-    demo: NDArray[np.float64],
+    demo: Floats,
     demo_visible: NDArray[np.bool_],
     theta: Angles,
     with_condition: bool = False,
-) -> NDArray[np.float64]:
+) -> Floats:
     """Compute E at any postures, with the learner's images undisturbed.
 
     world: gives the learner's images; fit: fits a transfer to `FourViews`; demo, demo_visible: (N, 4) px and (N, 2),
@@ -204,9 +211,9 @@ def conflict_at(
 
 def conflict_of_images(
     fit: Callable,
-    demo: NDArray[np.float64],
+    demo: Floats,
     demo_visible: NDArray[np.bool_],
-    own: NDArray[np.float64],
+    own: Floats,
     own_visible: NDArray[np.bool_],
     with_condition: bool = False,
 ) -> NDArray:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
 from ..loop.snapshot import Snapshot
 from ..simulation.world import World
 from .landscape import Landscape, conflict_at, grid_axes, landscape_over, seen_from
@@ -25,15 +26,15 @@ RADII_DEG = np.array([1.0, 2, 3, 5, 7.5, 10, 15, 20, 25, 30, 40, 50, 60])
 CIRCLE_DIRECTIONS = 72
 MAX_RELATIVE_ERROR = 0.25  # of the quadratic model where it is said to hold
 
-Conflict = Callable[[Sequence[NDArray[np.float64]] | NDArray[np.float64]], NDArray[np.float64]]
+Conflict = Callable[[Sequence[Floats] | Floats], Floats]
 
 
 @dataclass(frozen=True)
 class Minima:
     """Local minima, the lowest first."""
 
-    theta: NDArray[np.float64]  # (k, 2) rad
-    E: NDArray[np.float64]  # (k,) px²
+    theta: Floats  # (k, 2) rad
+    E: Floats  # (k,) px²
     on_limit: NDArray[np.bool_]  # (k,): whether it lies at the edge of a joint's range
 
     def __len__(self) -> int:
@@ -48,7 +49,7 @@ class TransferStudy:
     landscape: Landscape
     minima: Minima  # between the grid's points
     basin: float  # share of the postures from which descent ends at the lowest minimum
-    bias_deg: NDArray[np.float64]  # (2,) from the demonstrator's posture to the lowest minimum, NaN without one
+    bias_deg: Floats  # (2,) from the demonstrator's posture to the lowest minimum, NaN without one
 
 
 def study_transfer(world: World, snapshot: Snapshot, transfer: str) -> TransferStudy:
@@ -78,9 +79,7 @@ def local_minima(found: Landscape, E_at: Conflict) -> Minima:
     return Minima(ends, E[kept], (np.abs(ends[:, :, None] - bounds) < MIN_STEP_RAD).any((1, 2)))
 
 
-def descend(
-    E_at: Conflict, theta: NDArray[np.float64], bounds: NDArray[np.float64], max_step: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def descend(E_at: Conflict, theta: Floats, bounds: Floats, max_step: float) -> tuple[Floats, Floats]:
     """Move downhill from each posture, by a compass search that also tries Newton's point.
 
     A step goes to the lowest of eight neighbours and Newton's point; it is halved if all are higher. Newton's point
@@ -134,14 +133,14 @@ def _newton(E_at: Conflict, theta: NDArray, step: NDArray) -> NDArray:
 class Convexity:
     """How far E is from the quadratic model of Eq. (11), on circles around the minimum."""
 
-    Q: NDArray[np.float64]  # (2, 2) px²/degree²
-    radius_deg: NDArray[np.float64]  # (k,)
-    error: NDArray[np.float64]  # (k,) median relative difference on a circle; NaN where it is out of range all around
-    worst: NDArray[np.float64]  # (k,) largest relative difference, NaN as above
+    Q: Floats  # (2, 2) px²/degree²
+    radius_deg: Floats  # (k,)
+    error: Floats  # (k,) median relative difference on a circle; NaN where it is out of range all around
+    worst: Floats  # (k,) largest relative difference, NaN as above
     convex_radius_deg: float  # of the largest circle up to which E's Hessian is nowhere indefinite
 
     @property
-    def eigenvalues(self) -> NDArray[np.float64]:
+    def eigenvalues(self) -> Floats:
         """(2,) px²/degree², ascending."""
         return np.asarray(np.linalg.eigvalsh(self.Q), float)
 
@@ -155,7 +154,7 @@ class Convexity:
         within = np.logical_and.accumulate(self.worst <= MAX_RELATIVE_ERROR)
         return float(self.radius_deg[within][-1]) if within.any() else 0.0
 
-    def ring_deg(self) -> NDArray[np.float64] | None:
+    def ring_deg(self) -> Floats | None:
         """Return the level curve of the model through the farthest posture up to which it holds.
 
         (73, 2) degrees from the minimum, a closed ellipse; None if the model holds nowhere.
@@ -168,7 +167,7 @@ class Convexity:
         return (half_axes * np.stack([np.cos(angle), np.sin(angle)], -1)) @ axes.T
 
 
-def convexity(E_at: Conflict, minimum: NDArray[np.float64], bounds: NDArray[np.float64]) -> Convexity:
+def convexity(E_at: Conflict, minimum: Floats, bounds: Floats) -> Convexity:
     """Compare E with its quadratic model around a minimum, (2,) rad, within bounds, (2, 2) rad."""
     Q = hessian(E_at, minimum[:, None])[0] / 2
     angle = np.linspace(0, 2 * np.pi, CIRCLE_DIRECTIONS, endpoint=False)
@@ -191,7 +190,7 @@ def convexity(E_at: Conflict, minimum: NDArray[np.float64], bounds: NDArray[np.f
     return Convexity(Q, RADII_DEG, np.array(error), np.array(worst), float(reached[-1]) if len(reached) else 0.0)
 
 
-def hessian(E_at: Conflict, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+def hessian(E_at: Conflict, theta: Floats) -> Floats:
     """Return second differences of E at postures (2, n) rad: (n, 2, 2) px²/degree²."""
     h = np.radians(FD_STEP_DEG)
     grid = np.array([-h, 0, h])

@@ -13,12 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS, flatness
+from ..geometry.arrays import Floats
 from ..loop.snapshot import Snapshot
 from ..servo.certificate import MAX_STD_PER_PX
 from ..simulation.autoscene.surface import Surface, choose_layout, parts_of, sample_arm, visible_fraction
 from ..simulation.meshes import Mesh, first_hit
 from ..simulation.robot import BodyPoints, link_meshes
-from ..simulation.world import SimulatedEyes, World
+from ..simulation.world import World
+from .landscape import OwnImages
 
 FD_STEP_RAD = 1e-3
 MIN_SINGULAR_VALUE = 1e-9  # relative to the largest: directions below it are unobservable
@@ -31,9 +33,7 @@ MAX_GRID_JOINTS = 2  # all combinations of CANDIDATE_GRID; with more joints, the
 DAMPING, DAMPING_DECREASE, DAMPING_INCREASE = 1e-3, 0.2, 8.0  # initial, relative to the mean curvature; after a step
 
 
-def residual_jacobian(
-    residual_at: Callable[[NDArray[np.float64]], NDArray[np.float64]], theta: ArrayLike
-) -> NDArray[np.float64]:
+def residual_jacobian(residual_at: Callable[[Floats], Floats], theta: ArrayLike) -> Floats:
     """Return J, (n, m) px/rad, by central differences at theta, (m,) rad.
 
     residual_at maps postures (K, m) rad to residuals (K, ...) px, n for each posture.
@@ -44,7 +44,7 @@ def residual_jacobian(
     return (e[0] - e[1]).T / (2 * FD_STEP_RAD)
 
 
-def uncertainty(J: ArrayLike) -> NDArray[np.float64]:
+def uncertainty(J: ArrayLike) -> Floats:
     """Return the standard error of each angle under independent noise of 1 px: √diag((JᵀJ)⁻¹), (m,) rad/px.
 
     J: (n, m) px/rad. An unobservable angle has the error inf.
@@ -72,12 +72,12 @@ def weak_joints(std_per_px: ArrayLike) -> list[int]:
 
 
 def joint_uncertainty(
-    world: World | SimulatedEyes,
+    world: OwnImages,
     fit: Callable,
-    demo: NDArray[np.float64],
+    demo: Floats,
     demo_visible: NDArray[np.bool_],
     theta: ArrayLike,
-) -> NDArray[np.float64] | None:
+) -> Floats | None:
     """Return the standard error of each joint, (m,) rad/px, under 1 px of noise in the learner's own images.
 
     world: gives these images; fit: fits a transfer to `FourViews`; demo, demo_visible: (N, 4) px and (N, 2), the
@@ -90,7 +90,7 @@ def joint_uncertainty(
     if usable.sum() < MIN_POINTS:
         return None
 
-    def residual_at(postures: NDArray[np.float64]) -> NDArray[np.float64]:
+    def residual_at(postures: Floats) -> Floats:
         own, _ = world.own_images(postures.T)
         views = FourViews(demo[usable], own[:, usable], np.ones(1, bool))
         return fit(views).residual(views)
@@ -104,7 +104,7 @@ class PointInformation:
 
     count: int  # points
     visible: int  # points in all four images
-    std_per_px: NDArray[np.float64] | None  # (m,) rad/px, standard error of each joint; None with too few points
+    std_per_px: Floats | None  # (m,) rad/px, standard error of each joint; None with too few points
     flatness: float  # σ1/σ3 of the demonstrator's points in [l, r]
 
     @property
@@ -174,7 +174,7 @@ def sample_estimates(
     runs: int,
     rng: np.random.Generator,
     noisy_demo: bool = True,
-) -> NDArray[np.float64]:
+) -> Floats:
     """Draw noisy images and return the posture that minimises E for each draw, (runs, m) rad (Monte Carlo).
 
     All draws are searched at once by damped Gauss-Newton steps from the demonstrator's own posture, theta_demo. fit: as
@@ -186,13 +186,13 @@ def sample_estimates(
     if not (visible.all() and world.own_images(theta_demo)[1].all()):
         raise ValueError("all points must be in all four images at the demonstrator's posture")
 
-    def noise() -> NDArray[np.float64]:
+    def noise() -> Floats:
         return rng.normal(0.0, noise_px, (runs, frames, *demo.shape)).mean(1)
 
     own_noise = noise()
     demos = demo + (noise() if noisy_demo else np.zeros_like(own_noise))
 
-    def residual_at(theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    def residual_at(theta: Floats) -> Floats:
         views = FourViews(demos, world.own_images(theta.T)[0] + own_noise, np.ones(1, bool))
         return fit(views).residual(views).reshape(runs, -1)
 
@@ -241,9 +241,7 @@ def find_candidates(world: World, theta: ArrayLike) -> BodyPoints:
     return BodyPoints(found.link[unhidden], found.local[unhidden])
 
 
-def _is_unhidden(
-    world: World, points: BodyPoints, theta: NDArray[np.float64], meshes: Mapping[int, Mesh]
-) -> NDArray[np.bool_]:
+def _is_unhidden(world: World, points: BodyPoints, theta: Floats, meshes: Mapping[int, Mesh]) -> NDArray[np.bool_]:
     """Whether each of four rays reaches each point, (K,). This is exact; `visible_fraction` is approximate."""
     found = np.ones(len(points), bool)
     for T_world_base, cameras in ((world.T_world_demo, world.demo_cameras), (world.T_world_own, world.own_cameras)):
@@ -257,9 +255,7 @@ def _is_unhidden(
     return found
 
 
-def _visibility(
-    world: World, surface: Surface, theta: NDArray[np.float64]
-) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+def _visibility(world: World, surface: Surface, theta: Floats) -> tuple[NDArray[np.bool_], Floats]:
     """Whether each place is inside all four images, (K,), and the fraction of them in which it is not hidden, (K,)."""
     places, normals = surface.at(world.link_frames(theta, np.eye(4)))
     inside, fractions = np.ones(len(places), bool), []

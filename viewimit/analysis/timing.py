@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
 from ..geometry.fundamental import MIN_MATCHES, fit_fundamental, sampson_distance
 
 MAX_SHIFT = 15  # frames: half a second
@@ -32,7 +33,6 @@ N_REWEIGHTINGS = 1  # of a fit
 NOISE_FLOOR_PX = 1e-2  # rms misfit, below which nothing is doubted
 TINY = 1e-12
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int_]
 Fit = Callable[[Floats, Floats], Floats]  # of a fundamental matrix to matches
 Parts = tuple[tuple[int, float], ...]

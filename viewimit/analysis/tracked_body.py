@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS, image_unit
+from ..geometry.arrays import Floats
 from ..geometry.kinematics.adjustment import KinematicsCovariance
 from ..geometry.kinematics.clusters import Observations
 from ..geometry.kinematics.disturbed import Shortfall, fit_shortfall
@@ -42,9 +43,9 @@ class TrackedBody:
     shortfall: Shortfall | None  # of an arm that was not where the table says
     noise_px: float
     unit_px: float  # pixels of one unit
-    lower: NDArray[np.float64]  # (m,) rad, between which the demonstrator's posture is looked for
-    upper: NDArray[np.float64]
-    gains: NDArray[np.float64] | None = None  # (m,) degrees that each joint turns for a unit of the table, if no degree
+    lower: Floats  # (m,) rad, between which the demonstrator's posture is looked for
+    upper: Floats
+    gains: Floats | None = None  # (m,) degrees that each joint turns for a unit of the table, if no degree
 
     @property
     def model(self) -> KnownBody:
@@ -64,7 +65,7 @@ class NamedPoints:
 def learn_tracked_body(
     seen: Observations,
     points: NDArray[np.int_],
-    limits: tuple[NDArray[np.float64], NDArray[np.float64]],
+    limits: tuple[Floats, Floats],
     noise_px: float,
     rectification: Rectification | None = None,
     of_table: bool = True,
@@ -137,7 +138,7 @@ def _require_degrees(
             raise ValueError(f"these are not degrees: {gain_words(degrees * rates)}; write degrees")
 
 
-def _gains(kinematics: ProjectiveKinematics, seen: Observations, noise: float) -> NDArray[np.float64] | None:
+def _gains(kinematics: ProjectiveKinematics, seen: Observations, noise: float) -> Floats | None:
     """By how many degrees each joint turns for a unit of the table, (m,); None if the images agree to degrees."""
     rates, m = kinematics.rates, seen.displacement.shape[1]
     twists = kinematics.parameters[-6 * m :].reshape(m, 6)[:, :3]
@@ -148,7 +149,7 @@ def _gains(kinematics: ProjectiveKinematics, seen: Observations, noise: float) -
     return rates if differs.any() else None
 
 
-def gain_words(gains: NDArray[np.float64]) -> str:
+def gain_words(gains: Floats) -> str:
     """Say by how much the joints turn for a unit."""
     turns = ", ".join(f"joint {k} by {gain:.3g}°" for k, gain in enumerate(gains, 1))
     return f"the pictures show that one unit turns {turns}"
@@ -198,7 +199,7 @@ def find_misfit(body: TrackedBody, views: FourViews) -> tuple[Misfit, int] | Non
     return None if body.shortfall is None else (Misfit(MisfitKind.ARM, amount=body.shortfall.share), at)
 
 
-def _explained_together(body: TrackedBody, demos: NDArray[np.float64]) -> Explanation | None:
+def _explained_together(body: TrackedBody, demos: Floats) -> Explanation | None:
     """Find out how the demonstrator's body differs from several of the frames with the most points, (T, N, 4) px."""
     counts = np.isfinite(demos).all(-1).sum(-1)
     most = np.flatnonzero(counts == counts.max())

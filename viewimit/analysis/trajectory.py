@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.transfers import FittedTransfer
+from ..geometry.arrays import Floats
 from ..loop.session import Session
 from ..loop.settings import Settings
 from ..loop.simulated_robot import observed_images
@@ -49,7 +50,7 @@ class Motion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     theta_deg: tuple[tuple[float, ...], ...]  # a posture of the moving joints for each frame
 
     @property
-    def theta(self) -> NDArray[np.float64]:
+    def theta(self) -> Floats:
         """(T, m) rad."""
         return np.radians(self.theta_deg).reshape(len(self.theta_deg), len(self.joints))
 
@@ -59,7 +60,7 @@ class Motion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         return self.step_s * max(len(self.theta_deg) - 1, 0)
 
 
-def make_motion(name: str, scene: Scene, theta: NDArray[np.float64], step_s: float = STEP_S) -> Motion:
+def make_motion(name: str, scene: Scene, theta: Floats, step_s: float = STEP_S) -> Motion:
     """Make a motion of postures theta, (T, m) rad. Raises ValueError as `require_motion`."""
     rows = tuple(tuple(row) for row in np.round(np.degrees(theta), 6).tolist())
     made = Motion(name=name, joints=scene.moving_joints, step_s=step_s, theta_deg=rows)
@@ -67,7 +68,7 @@ def make_motion(name: str, scene: Scene, theta: NDArray[np.float64], step_s: flo
     return made
 
 
-def sinusoid(world: World, theta: NDArray[np.float64], frames: int = FRAMES) -> Motion:
+def sinusoid(world: World, theta: Floats, frames: int = FRAMES) -> Motion:
     """Swing joint k for k periods about theta, (m,) rad, or about the nearest posture within the limits."""
     scene, (low, high) = world.scene, (world.scene.lower, world.scene.upper)
     swing = np.minimum(np.radians(SWING_DEG), (high - low) / 2)
@@ -76,7 +77,7 @@ def sinusoid(world: World, theta: NDArray[np.float64], frames: int = FRAMES) -> 
     return make_motion("sinusoid", scene, centre + swing * np.sin(phase))
 
 
-def hand_circle(world: World, theta: NDArray[np.float64], frames: int = FRAMES) -> Motion:
+def hand_circle(world: World, theta: Floats, frames: int = FRAMES) -> Motion:
     """Move the hand on a circle from theta, (m,) rad, in the plane in which it moves most easily, towards the base."""
     base, here = world.T_world_demo, hand_position(world, theta, world.T_world_demo)
     axes, _, _ = np.linalg.svd(hand_jacobian(world, theta, base))
@@ -137,26 +138,26 @@ def require_motion(motion: Motion, scene: Scene) -> None:
 class Trajectory:
     """An imitated motion of T frames. Only `target` and `own` are known to the learner."""
 
-    theta_demo: NDArray[np.float64]  # (T, m) rad
-    theta: NDArray[np.float64]  # (T, m) rad
+    theta_demo: Floats  # (T, m) rad
+    theta: Floats  # (T, m) rad
     followed: NDArray[np.bool_]  # (N,) which points are followed
-    target: NDArray[np.float64]  # (T, N, 4) px of [L, R]: transferred points
-    own: NDArray[np.float64]  # (T, N, 4) px: the learner's own points
-    desired: NDArray[np.float64]  # (T, N, 4) px: the own points in the demonstrator's posture
-    hand_m: NDArray[np.float64]  # (T,) distance of the hands, each from its base
+    target: Floats  # (T, N, 4) px of [L, R]: transferred points
+    own: Floats  # (T, N, 4) px: the learner's own points
+    desired: Floats  # (T, N, 4) px: the own points in the demonstrator's posture
+    hand_m: Floats  # (T,) distance of the hands, each from its base
 
     @property
-    def image_px(self) -> NDArray[np.float64]:
+    def image_px(self) -> Floats:
         """(T,) mean distance from the desired points, over both images."""
         return _mean_distance(self.own - self.desired, self.followed)
 
     @property
-    def target_px(self) -> NDArray[np.float64]:
+    def target_px(self) -> Floats:
         """(T,) mean distance from the transferred points: the part of its error that the learner can see."""
         return _mean_distance(self.own - self.target, self.followed)
 
     @property
-    def joint_deg(self) -> NDArray[np.float64]:
+    def joint_deg(self) -> Floats:
         """(T,) largest joint error."""
         return np.degrees(np.abs(self.theta - self.theta_demo)).max(-1)
 
@@ -169,8 +170,8 @@ class Imitation:
     settings: Settings
     transfer: FittedTransfer  # frozen during the motion
     step_s: float
-    theta_demo: NDArray[np.float64]  # (T, m) rad
-    theta: NDArray[np.float64]  # (T, m) rad
+    theta_demo: Floats  # (T, m) rad
+    theta: Floats  # (T, m) rad
 
 
 def hand_points(session: Session) -> NDArray[np.bool_]:

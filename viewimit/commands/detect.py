@@ -25,7 +25,6 @@ CERTAIN = 1.0
 VIDEOS = (".mp4", ".avi", ".mov", ".mkv", ".webm", ".m4v")
 DEMONSTRATOR_VIEWS = VIEWS[:2]
 BODIES = {"demonstrator": ("demo_left", "demo_right"), "learner": ("own_left", "own_right")}  # and their views
-NO_VIEW = f"its name does not end in a view such as _demo_left; name it by {options.VIEW_OPTIONS}"
 MAX_NUMBER = 9999  # of a marker
 MAX_LINES = 10  # about markers that are left out
 TIMES = {2: "twice"}
@@ -85,7 +84,8 @@ def run(args: argparse.Namespace) -> int:
     files, files_of_both = _files_by_view(args)
     if files_of_both and args.aruco is None:
         raise options.BadInput(
-            f"{files_of_both[0]}: {NO_VIEW}; both arms in one picture need markers with numbers: give --aruco"
+            f"{files_of_both[0]}: its name does not end in a view such as _demo_left; name it by "
+            f"{options.VIEW_OPTIONS}; both arms in one picture need markers with numbers: give --aruco"
         )
     names, detect = _ball_detector(args) if args.aruco is None else _square_detector(args)
     from ..sensing.detection import frame_rate, read_pictures  # loads OpenCV
@@ -236,7 +236,9 @@ def _files_by_view(args: argparse.Namespace) -> tuple[dict[str, list[Path]], lis
             views = [view_of(f"{body}_{both[1].lower()}") for body in ("demo", "own")]
             of_both.append(path)
         else:
-            raise options.BadInput(f"{path}: {NO_VIEW}")
+            raise options.BadInput(
+                f"{path}: its name does not end in a view such as _demo_left; name it by {options.VIEW_OPTIONS}"
+            )
         for view in views:
             files[view].append(path)
     options.require_separate_files(path for paths in files.values() for path in paths)

@@ -37,8 +37,6 @@ from .json_output import print_json
 BODIES = {"demonstrator": "lr", "learner": "LR"}  # and its views
 NAMED = 10  # points that --min-confidence removed, in words
 MARGIN_RAD = np.radians(30.0)  # beyond the learner's own postures, in which the demonstrator's is looked for
-OF_ALL = "is a table of all four views"
-NEEDED = "--calibration FILE of viewimit rehearse, or --postures FILE with the learner's joint angles in each frame"
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -87,7 +85,10 @@ def run(args: argparse.Namespace) -> int:
     if args.calibration and args.postures:
         raise options.BadInput("--calibration, --postures: give one of them, as both show the learner's body")
     if args.unmatched and not (args.calibration or args.postures):
-        raise options.BadInput(f"--unmatched: needs {NEEDED}")
+        raise options.BadInput(
+            "--unmatched: needs --calibration FILE of viewimit rehearse, or --postures FILE with the learner's joint "
+            "angles in each frame"
+        )
     tracked = _read(args)
     removed = tracked.n_below_confidence(args.min_confidence)
     _say(*_told_of(args, tracked, removed))
@@ -231,10 +232,14 @@ def _read(args: argparse.Namespace) -> TrackedPoints:
     given = {view: vars(args)[name] for view, name in VIEW_NAMES.items() if vars(args)[name]}
     options.require_separate_files(given.values())
     if args.points and not given and args.points.suffix.lower() not in (".csv", ".tsv", ".txt", ""):
-        raise options.BadInput(f"{args.points}: POINTS.csv {OF_ALL}; give others by {options.VIEW_OPTIONS}")
+        raise options.BadInput(
+            f"{args.points}: POINTS.csv is a table of all four views; give others by {options.VIEW_OPTIONS}"
+        )
     named = [body for body in BODIES if vars(args)[body] is not None]
     if args.points and not given and named:
-        raise options.BadInput(f"--{named[0]}: {args.points} {OF_ALL}, which say whose points are whose")
+        raise options.BadInput(
+            f"--{named[0]}: {args.points} is a table of all four views, which say whose points are whose"
+        )
     if args.points and not given:
         with options.naming("POINTS.csv"):
             return read_tidy(args.points)

@@ -6,11 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.convergence import RECENT
+from ..geometry.arrays import Floats
 from ..loop.snapshot import Snapshot
 from . import svg
 from .plots import Axes, Tick, decade_ticks, decades, log10
-
-Floats = NDArray[np.float64]
 
 HEIGHT = 116  # px of one plot
 LEFT, RIGHT, TOP, BOTTOM = 40, 112, 24, 20  # px around a plot

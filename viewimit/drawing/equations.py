@@ -8,15 +8,13 @@ from functools import cache
 
 import numpy as np
 from latex2mathml.converter import convert
-from numpy.typing import NDArray
 
 from ..estimation.equations import HOLE, MARK, MISSING, Equation, matrix, number, short, signed
 from ..estimation.rectification import RectifiedTransfer
+from ..geometry.arrays import Floats
 from ..geometry.rectification import Rectification
 from ..loop.snapshot import Snapshot
 from ..servo import LastMotion
-
-Floats = NDArray[np.float64]
 
 
 def draw_equations(snapshot: Snapshot, chosen: int | None = None) -> str:

@@ -7,11 +7,9 @@ from math import hypot
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
 from . import svg
-
-Floats = NDArray[np.float64]
 
 CHARACTER, LINE = 6.1, 13  # px: width of a letter of 11 px at most, height of a line
 OUT, UP = 30, 24  # px from a mark to the end of its leader

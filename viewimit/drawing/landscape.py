@@ -11,10 +11,10 @@ from bisect import bisect_right
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..analysis.landscape import Landscape
 from ..analysis.observability import unobservable_joints, weak_joints
+from ..geometry.arrays import Floats
 from ..loop.settings import Settings
 from ..loop.snapshot import Snapshot
 from ..servo.certificate import MAX_STD_PER_PX
@@ -25,8 +25,6 @@ from .labels import CHARACTER, Label, led
 from .plots import figure
 from .posture_plane import NOW, PathLabels, PosturePlane
 from .theme import OBSERVED
-
-Floats = NDArray[np.float64]
 
 WIDTH, HEIGHT = 424, 229  # px of the drawing that replaces a landscape
 LEFT, RIGHT = 34, 60  # px beside the bars

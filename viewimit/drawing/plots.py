@@ -3,17 +3,16 @@
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, wraps
-from typing import NamedTuple
+from typing import Concatenate, NamedTuple, ParamSpec
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ..geometry.arrays import Floats
 from ..loop.settings import Settings
 from ..simulation.disturbances import Disturbance
 from . import svg
 from .labels import CHARACTER
-
-Floats = NDArray[np.float64]
 
 MIN_POSITIVE = 1e-30  # smaller values have no place on a logarithmic axis
 MAX_DECADES = 12
@@ -26,6 +25,7 @@ MAX_CAPTION = 92  # characters
 
 Tick = tuple[float, str]  # value, words
 CurveLabel = tuple[float, str, str]  # height in px, words, classes
+More = ParamSpec("More")
 
 
 def linear(values: ArrayLike) -> Floats:
@@ -39,10 +39,17 @@ def log10(values: ArrayLike) -> Floats:
     return np.log10(np.where(values > MIN_POSITIVE, values, np.nan))
 
 
-def _kept(draw: Callable[..., str]) -> Callable[..., str]:
+def _kept(
+    draw: Callable[Concatenate["Axes", Iterable[Tick], More], str],
+) -> Callable[Concatenate["Axes", Iterable[Tick], More], str]:
     """Keep what is drawn: the same axes are drawn for many motions, and their words take longer than the curve."""
-    kept = lru_cache(256)(draw)
-    return wraps(draw)(lambda axes, ticks, *more: kept(axes, tuple(ticks), *more))
+    kept: Callable[..., str] = lru_cache(256)(draw)
+
+    @wraps(draw)
+    def drawn(axes: "Axes", ticks: Iterable[Tick], *more: More.args, **named: More.kwargs) -> str:
+        return kept(axes, tuple(ticks), *more, **named)
+
+    return drawn
 
 
 @dataclass(frozen=True)

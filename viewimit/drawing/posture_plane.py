@@ -6,15 +6,13 @@ The second joint's angle points to the right, the first's upwards, with one scal
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
 from ..loop.snapshot import Snapshot
 from ..simulation.scene import Scene
 from . import svg
 from .labels import CHARACTER, Label, Labels, PlacedLabel, Rectangle, beside, line_rectangles, places_beside, text_at
 from .plots import Axes, angle_ticks
-
-Floats = NDArray[np.float64]
 
 WIDTH = 424
 LEFT, RIGHT, TOP, BOTTOM = MARGINS = 36, 8, 7, 34  # px around the plot

@@ -12,13 +12,11 @@ from typing import cast
 
 import numpy as np
 from contourpy import ContourGenerator, contour_generator
-from numpy.typing import NDArray
 from PIL import Image
 
+from ..geometry.arrays import Floats
 from . import svg
 from .labels import CHARACTER, LINE, Label, Rectangle
-
-Floats = NDArray[np.float64]
 
 LEVELS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000)
 MAX_LEVELS = 9

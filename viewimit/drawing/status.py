@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..analysis.self_assessment import Assessment
 from ..estimation.equations import with_minus
 from ..estimation.transfers.registry import BADLY_CONDITIONED, ILL_CONDITIONED
 from ..estimation.transfers.transfer import FLAT, FLATNESS
+from ..geometry.arrays import Floats
 from ..loop.snapshot import Snapshot
 from ..servo import Certificate, ServoStatus, verdict, verdicts
 from ..servo.certificate import MAX_STD_PER_PX
@@ -17,8 +17,6 @@ from ..servo.verdict import ANY_JOINT
 from ..wording import listed, plural, sentences
 from . import svg
 from .glossary import ask, glossary
-
-Floats = NDArray[np.float64]
 
 TREND = 4  # motions over which the change of E is averaged
 EXACT = np.radians(0.05)  # smaller errors are written as 0.0°

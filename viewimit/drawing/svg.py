@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.equations import number
+from ..geometry.arrays import Floats
 from ..wording import plural
-
-Floats = NDArray[np.float64]
 
 UNSEEN_E = 0.01  # px²: nobody could see a smaller conflict
 SEGMENT, DOT, TIP = "M%s %sL%s %s", "M%s %sh0", "M%s %sL%s %s %s %sz"  # templates of lines, dots and arrow heads

@@ -19,12 +19,13 @@ from ..estimation.outliers import reject_outliers
 from ..estimation.rectification import MAX_LOOKS, update_rectification
 from ..estimation.residuals import VELOCITY_LOOKS, PredictedResiduals, target_velocity
 from ..estimation.views import FourViews
+from ..geometry.arrays import Floats
 from ..geometry.rectification import Rectification
 from ..sensing.frames import MIN_FRAMES, average_frames, noise_std
 from ..servo import Observation, ServoState
 from ..servo.observation import Visit, repeat_xy
 from ..servo.status import ServoStatus
-from .embodiment import waypoints
+from .arm_and_eyes import waypoints
 from .history import MAX_HISTORY
 from .real_robot import RealObserver, RealRobot
 from .self_calibration import MIN_POSTURES
@@ -75,7 +76,7 @@ class Learner:
         changes = {"probe": says.probe, "status": says.status_or(ServoStatus.MOVING), "servo_state": state}
         return self._moved(past, now, now.commanded + displacement, **changes)  # → next posture
 
-    def _ask(self, past: Past, now: Snapshot) -> tuple[Any, NDArray[np.float64]]:
+    def _ask(self, past: Past, now: Snapshot) -> tuple[Any, Floats]:
         """Ask the servo for its next state and motion, (m,) rad."""
         servo, seen = now.servo, self.observation(now)
         residuals = self.predicted_residuals(past, now, servo.mirror_columns)
@@ -105,7 +106,7 @@ class Learner:
         status = ServoStatus.REHEARSING if len(pending) else after.awake_status
         return after.with_fields(calibration=calibration, pending_postures=pending, status=status)
 
-    def _moved(self, past: Past, now: Snapshot, target: NDArray[np.float64], **changes: Any) -> Snapshot:
+    def _moved(self, past: Past, now: Snapshot, target: Floats, **changes: Any) -> Snapshot:
         """Drive the arm towards the target, (m,) rad, within its limits, and look. `changes` are other new fields."""
         target = target.clip(*self.workspace)
         commanded, *later = waypoints(now.commanded, target, now.settings.max_step)
@@ -117,7 +118,7 @@ class Learner:
         )  # fmt: skip
         return self._retargeted(now, after)
 
-    def seen(self, past: Past, theta: NDArray[np.float64], like: Snapshot, **changes: Any) -> Snapshot:
+    def seen(self, past: Past, theta: Floats, like: Snapshot, **changes: Any) -> Snapshot:
         """Look with the arm at a posture, and evaluate E, as `Session.observe`; `past` ends with the present."""
         # posture → body points in 3-D → four views l, r, L, R
         views, n_rejected = self._four_views(past, theta, like, **changes)
@@ -136,9 +137,7 @@ class Learner:
             raise ValueError(f"the transfer {seen.method.title!r} maps visible points to NaN")
         return seen.with_fields(E=E)
 
-    def _four_views(
-        self, past: Past, theta: NDArray[np.float64], like: Snapshot, **changes: Any
-    ) -> tuple[FourViews, int]:
+    def _four_views(self, past: Past, theta: Floats, like: Snapshot, **changes: Any) -> tuple[FourViews, int]:
         """The image points of both bodies without outliers, and how many points became unusable by that.
 
         The servo's names of points that come without are applied, and its correction of swapped points.
@@ -227,9 +226,7 @@ class Learner:
         )
 
 
-def demonstrator_average(
-    now: Snapshot, noise_px: float, fixed_px: float
-) -> tuple[NDArray[np.float64] | None, float | None]:
+def demonstrator_average(now: Snapshot, noise_px: float, fixed_px: float) -> tuple[Floats | None, float | None]:
     """Average all looks at the demonstrator since it last moved; noise_px, fixed_px: as of `average_looks`.
 
     Returns its points in [l, r], (N, 4) px, in the order of the views, NaN where no look shows a point, or it is an
@@ -243,7 +240,7 @@ def demonstrator_average(
     return np.where(repeat_xy(average.visible[:, :2] & ~rejected), average.demo, np.nan), noise_px
 
 
-def _in_order(now: Snapshot, demo: NDArray[np.float64], visible: NDArray[np.bool_]) -> FourViews:
+def _in_order(now: Snapshot, demo: Floats, visible: NDArray[np.bool_]) -> FourViews:
     """Put the demonstrator's points, (N, 4) px, in the order of the views. visible: (N, 2)."""
     views = FourViews(demo, now.views.own, np.concatenate([visible, now.views.visible[:, 2:]], -1))
     if not now.settings.matched and now.views.matched and now.says.names is not None:
@@ -254,9 +251,9 @@ def _in_order(now: Snapshot, demo: NDArray[np.float64], visible: NDArray[np.bool
 def average_looks(looks: Sequence[Images], noise_px: float, fixed_px: float) -> tuple[Images, float]:
     """Average looks at a body that stands still, and estimate the noise of the mean [px] by what the looks differ.
 
-    noise_px: of a coordinate in a look, as of the own images; fixed_px: the part of it that no averaging reduces. Too
-    few looks to outvote an outlier, or equal ones, which show no noise but an error that all have: the first of those
-    that show the most points.
+    noise_px: of a coordinate in a look, as of the own images; fixed_px: the part of it that no averaging reduces.
+    Returns (points (N, 4) px, visible (N, 2)) and px. With fewer than MIN_FRAMES looks, which outvote no outlier, or
+    equal ones, which show no noise, it returns the first look that shows most points.
     """
     fullest = max(looks, key=lambda look: int(np.count_nonzero(look[1])))
     if len(looks) < MIN_FRAMES:

@@ -17,7 +17,7 @@ from urllib.parse import parse_qsl, quote_plus
 import msgspec
 import numpy as np
 
-from .embodiment import to_degrees
+from .arm_and_eyes import to_degrees
 from .script import (
     MAX_ACTIONS,
     Action,
@@ -207,13 +207,16 @@ def _value(field: str, text: str) -> Any:
 
 def _radians(text: str) -> tuple[float, ...]:
     try:
-        angles = [(word, word.removesuffix("rad")) for word in text.split(",")]
-        theta = [float(number if number != word else np.radians(float(word))) for word, number in angles]
+        theta = [_angle_in(word) for word in text.split(",")]
     except ValueError:
         raise ValueError(f"the link has angles that are no numbers, {text[:40]!r}") from None
     if not all(map(math.isfinite, theta)):
         raise ValueError(f"the link has angles that are no numbers, {text[:40]!r}")
     return tuple(theta)
+
+
+def _angle_in(word: str) -> float:
+    return float(word[:-3]) if word.endswith("rad") else float(np.radians(float(word)))
 
 
 def packed(script: Script, motion: bytes | None = None) -> str:

@@ -6,11 +6,12 @@ from typing import ClassVar
 
 import msgspec
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..estimation.noise import rounding_std
 from ..estimation.views import FourViews, dimensions
 from ..geometry.affine import MIN_POINTS, image_unit
+from ..geometry.arrays import Floats
 from ..sensing.frames import (
     MAX_LATENCY_LOOKS,
     average_frames,
@@ -19,7 +20,7 @@ from ..sensing.frames import (
     is_missing_value,
     noise_std,
 )
-from .embodiment import (
+from .arm_and_eyes import (
     TOLERANCE_DEG,
     Arm,
     Eyes,
@@ -58,16 +59,14 @@ class RealObserver:
         self._demo_look: Images | None = None  # the last one
         self._noise: tuple[float, float] | None = None  # see _noises_px
 
-    def four_views(
-        self, settings: Settings, theta: NDArray[np.float64], theta_demo: NDArray[np.float64], look: int
-    ) -> FourViews:
+    def four_views(self, settings: Settings, theta: Floats, theta_demo: Floats, look: int) -> FourViews:
         """Take `Settings.frames` pictures of both bodies now, and average them."""
         merged, visible = average_frames(*self._pictures(settings.frames))
         self._demo_look = merged[:, :4], visible[:, :2]
         demo, demo_visible = self._demonstrator(self._demo_look, self.image_noise_std(settings))
         return FourViews(demo, merged[:, 4:], np.concatenate([demo_visible, visible[:, 2:]], -1))
 
-    def demo(self, settings: Settings, theta_demo: NDArray[np.float64], look: int | None = None) -> Images:
+    def demo(self, settings: Settings, theta_demo: Floats, look: int | None = None) -> Images:
         """What the last of `four_views` showed of the demonstrator, which stands still."""
         assert self._demo_look is not None
         return self._demo_look
@@ -81,7 +80,7 @@ class RealObserver:
         single, rounded = self._noises_px()
         return float(np.hypot(single / np.sqrt(settings.frames), rounded))
 
-    def wait_for_motion(self, now: Snapshot, theta: NDArray[np.float64]) -> tuple[int, int | None]:
+    def wait_for_motion(self, now: Snapshot, theta: Floats) -> tuple[int, int | None]:
         """Take pictures until one shows the motion from `now`. Later motions wait as long."""
         if now.lag is not None:
             for _ in range(now.lag):
@@ -185,17 +184,17 @@ def _n_visible(images: Images) -> int:
 class RealRobot:
     """The learner's arm, of m joints, and its view of the demonstrator. Postures are (m,) rad.
 
-    name: of the arm, for calibrations. Called, it brings the arm to the first posture of a session.
+    name: of the arm, for calibrations. It opens itself: called, it brings the arm to the first posture of a session.
     """
 
     def __init__(self, arm: Arm, eyes: Eyes, name: str):
         _require_members("the arm", arm, Arm)
         _require_members("the eyes", eyes, Eyes)
         self.arm, self.eyes, self.name = arm, eyes, name
-        self.points = 0  # that the eyes find, once they have looked
+        self.points: int | None = None  # that the eyes find, once they have looked
         self.lower, self.upper = _limits(arm)
 
-    def __call__(self, settings: Settings, sent: NDArray[np.float64] | None) -> tuple["RealRobot", SessionStart]:
+    def __call__(self, settings: Settings, sent: Floats | None) -> tuple["RealRobot", SessionStart]:
         """sent: (m,) rad, where the arm was last sent; None if it never was.
 
         Raises ValueError, with everything as it was, for impossible settings.
@@ -205,7 +204,7 @@ class RealRobot:
         asked = self.arm.start if settings.start_deg is None else np.radians(settings.start_deg)
         start = _within(asked, self.lower, self.upper, "the start")
         start = round_to_degrees(require_in_workspace(start, low, high, "the start"), low, high)
-        points = self.points or len(look_with(self.eyes).demo)
+        points = len(look_with(self.eyes).demo) if self.points is None else self.points
         for name, there in {"scene": self.name, "points": points}.items():
             if getattr(settings, name) not in (there, getattr(Settings(), name)):
                 raise ValueError(f"{name} is what there is, {there!r}: leave it out")
@@ -213,35 +212,45 @@ class RealRobot:
         settings = msgspec.structs.replace(settings, scene=self.name, points=points, start_deg=to_degrees(start))
         return self, SessionStart(settings, start, theta, self.demonstrator(settings), (low, high))
 
-    def require_posture(self, theta: ArrayLike, whose: str) -> NDArray[np.float64]:
+    def require_posture(self, theta: ArrayLike, whose: str) -> Floats:
+        """Return a copy of theta, (m,) rad. Raises ValueError for a wrong count, NaN or limits exceeded."""
         return _within(theta, self.lower, self.upper, whose)
 
     def body(self, settings: Settings) -> Body:
+        """What a calibration would hold for. The eyes have looked before."""
+        assert self.points is not None
         joints = tuple(range(1, len(self.lower) + 1))
         span_deg = tuple(round(float(span), 6) for span in np.degrees(self.upper - self.lower))
         return Body(self.name, joints, span_deg, self.points, "own", (0.0, 0.0))
 
-    def demonstrator(self, settings: Settings) -> NDArray[np.float64]:
+    def demonstrator(self, settings: Settings) -> Floats:
+        """(m,) NaN: its posture is unknown. Raises ValueError for settings that only a simulated scene has."""
         _require(settings)
         return np.full_like(self.lower, np.nan)
 
-    def settle_demonstrator(self, theta_demo: NDArray[np.float64]) -> NDArray[np.float64]:
+    def settle_demonstrator(self, theta_demo: Floats) -> Floats:
+        """Return theta_demo, (m,) NaN. Raises ValueError for a posture: it moves by itself."""
         if np.isfinite(theta_demo).any():
             raise ValueError("the demonstrator stands where your eyes see it: move it, and session.look()")
         return theta_demo
 
-    def drive(
-        self, settings: Settings, theta: NDArray[np.float64], sent: NDArray[np.float64], commanded: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def drive(self, settings: Settings, theta: Floats, sent: Floats, commanded: Floats) -> Floats:
+        """Move the arm. Return where it comes to rest, (m,) rad. Raises ValueError as `move`.
+
+        settings: give the longest step; sent, commanded: (m,) rad, where it was last sent, and is sent now.
+        """
         return self.move(sent, commanded, settings.max_step)
 
-    def revisit(self, settings: Settings, sent: NDArray[np.float64], commanded: NDArray[np.float64]) -> None:
+    def revisit(self, settings: Settings, sent: Floats, commanded: Floats) -> None:
+        """Bring the arm back to where a past snapshot had sent it, `commanded`; arguments and errors as of `drive`."""
         self.move(sent, commanded, settings.max_step)
 
-    def observer(self, theta_rest: NDArray[np.float64]) -> RealObserver:
+    def observer(self, theta_rest: Floats) -> RealObserver:
+        """An observer of both bodies; theta_rest: (m,) rad, where the arm is at rest. The eyes have looked before."""
+        assert self.points is not None
         return RealObserver(self.eyes, self.points)
 
-    def move(self, sent: NDArray[np.float64], theta: NDArray[np.float64], max_step: float) -> NDArray[np.float64]:
+    def move(self, sent: Floats, theta: Floats, max_step: float) -> Floats:
         """Move from where the arm was sent to theta, (m,) rad each, in steps of at most max_step rad a joint.
 
         Returns where the arm is then, (m,) rad. Raises ValueError if the arm answers with anything but such a posture,
@@ -272,7 +281,7 @@ def _require_members(what: str, given: object, protocol: type) -> None:
         )
 
 
-def _numbers(values: ArrayLike) -> NDArray[np.float64]:
+def _numbers(values: ArrayLike) -> Floats:
     """A copy as floats; a NaN without axes for anything but numbers."""
     try:
         return np.array(values, float)
@@ -280,7 +289,7 @@ def _numbers(values: ArrayLike) -> NDArray[np.float64]:
         return np.array(np.nan)
 
 
-def _limits(arm: Arm) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _limits(arm: Arm) -> tuple[Floats, Floats]:
     lower, upper = _numbers(arm.lower), _numbers(arm.upper)
     if lower.ndim != 1 or lower.shape != upper.shape or len(lower) == 0 or not np.isfinite([lower, upper]).all():
         raise ValueError(f"the arm's limits must be finite angles in rad, one a joint, got {arm.lower} and {arm.upper}")
@@ -292,9 +301,7 @@ def _limits(arm: Arm) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return lower, upper
 
 
-def _within(
-    theta: ArrayLike, lower: NDArray[np.float64], upper: NDArray[np.float64], whose: str
-) -> NDArray[np.float64]:
+def _within(theta: ArrayLike, lower: Floats, upper: Floats, whose: str) -> Floats:
     angles = _numbers(theta)
     if angles.shape != lower.shape:
         got = angles.size if angles.ndim == 1 else theta

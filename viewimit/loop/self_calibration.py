@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
 from ..sensing.files import read_npz
 from ..servo.observation import Visit
 
@@ -53,7 +54,7 @@ class SelfCalibration:
     def __len__(self) -> int:
         return len(self.visits)
 
-    def seen_from(self, lower: NDArray[np.float64]) -> tuple[Visit, ...]:
+    def seen_from(self, lower: Floats) -> tuple[Visit, ...]:
         """The visits as seen from a start whose lower limits are at the displacement `lower`, (m,) rad."""
         return tuple(replace(visit, displacement=visit.displacement + lower) for visit in self.visits)
 
@@ -114,9 +115,7 @@ def _numbers(values: NDArray[Any], kind: type) -> tuple[Any, ...]:
     return tuple(kind(value) for value in values.tolist())
 
 
-def calibration_postures(
-    low: NDArray[np.float64], high: NDArray[np.float64], count: int, rng: np.random.Generator
-) -> NDArray[np.float64]:
+def calibration_postures(low: Floats, high: Floats, count: int, rng: np.random.Generator) -> Floats:
     """Choose postures for a calibration: spread over the range, and some that turn one joint at a time.
 
     Two images between which one joint turned show which points it moves. low, high: (m,) rad, range of each joint. With
@@ -131,9 +130,7 @@ def calibration_postures(
     return np.vstack([first, first + np.cumsum(np.diag(direction * turns), axis=0), *others])
 
 
-def spread_postures(
-    low: NDArray[np.float64], high: NDArray[np.float64], count: int, rng: np.random.Generator
-) -> NDArray[np.float64]:
+def spread_postures(low: Floats, high: Floats, count: int, rng: np.random.Generator) -> Floats:
     """Postures that fill the range [low, high], (m,) rad each, evenly (Lloyd 1982): (count, m) rad.
 
     They are ordered so that each is near the one before. Raises ValueError for fewer than MIN_POSTURES.
@@ -151,7 +148,7 @@ def spread_postures(
     return spread[_short_way(spread)]
 
 
-def _short_way(postures: NDArray[np.float64]) -> list[int]:
+def _short_way(postures: Floats) -> list[int]:
     """An order that goes from each posture to the nearest remaining one."""
     way, left = [0], set(range(1, len(postures)))
     while left:

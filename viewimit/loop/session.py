@@ -6,21 +6,22 @@
 import copy
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NoReturn
 
 import msgspec
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..estimation.residuals import ResidualFunction
 from ..estimation.transfers import TransferFunction, TransferMethod, transfer_method
 from ..estimation.views import FourViews
+from ..geometry.arrays import Floats
 from ..servo import Observation, Servo, ServoMethod, servo_method
 from ..servo.status import ServoStatus
 from ..simulation.eyes import SimulatedEyes, open_eyes
 from ..simulation.scene import Scene
 from ..simulation.world import World
-from .embodiment import Arm, Eyes, require_in_workspace, round_to_degrees, to_degrees
+from .arm_and_eyes import Arm, Eyes, require_in_workspace, round_to_degrees, to_degrees
 from .history import MAX_HISTORY, RECENT, History
 from .learner import Embodiment, Learner, Observer, same_demonstrator
 from .real_robot import RealRobot
@@ -295,7 +296,7 @@ class Session:
         self.history.replace(after.with_fields(status=after.awake_status) if wakes else after)
         return moved
 
-    def observe(self, theta: NDArray[np.float64], like: Snapshot, **changes: Any) -> Snapshot:
+    def observe(self, theta: Floats, like: Snapshot, **changes: Any) -> Snapshot:
         """Evaluate what the learner would see with its arm at theta. Nothing moves, and nothing is recorded.
 
         Parameters
@@ -395,7 +396,7 @@ class Session:
         theta_demo = self.embodiment.require_posture(theta_demo, "demonstrator's")
         self._pose(theta_demo, self.settings, self.snapshot, MoveDemonstrator(tuple(theta_demo.tolist())))
 
-    def _pose(self, theta_demo: NDArray[np.float64], settings: Settings, now: Snapshot, action: Action) -> None:
+    def _pose(self, theta_demo: Floats, settings: Settings, now: Snapshot, action: Action) -> None:
         """Go on from `now` with other settings and the demonstrator at theta_demo, (m,) rad."""
         if np.isfinite(theta_demo).all():
             theta_demo = round_to_degrees(theta_demo, self.embodiment.lower, self.embodiment.upper)
@@ -425,7 +426,7 @@ class Session:
         assert self.snapshot.calibration is not None
         return self.snapshot.calibration
 
-    def calibration_postures(self, count: int, seed: int, within_deg: float | None = None) -> NDArray[np.float64]:
+    def calibration_postures(self, count: int, seed: int, within_deg: float | None = None) -> Floats:
         """Draw postures for `begin_calibration` from the workspace.
 
         Parameters
@@ -448,7 +449,7 @@ class Session:
             low, high = np.maximum(low, here - reach), np.minimum(high, here + reach)
         return calibration_postures(low, high, count, np.random.default_rng(seed))
 
-    def begin_calibration(self, postures: NDArray[np.float64]) -> None:
+    def begin_calibration(self, postures: Floats) -> None:
         """Visit postures in the next steps, record the own body there, and then imitate.
 
         The servo restarts, and an earlier calibration is dropped.
@@ -546,7 +547,8 @@ class Session:
             case ClearCalibration():
                 self.use_calibration(None)
             case _:
-                raise TypeError(f"{action!r} is no action of a script")
+                never: NoReturn = action  # a type checker finds an action that is missing above
+                raise TypeError(f"no action of a script: {never!r}")
 
     def undo(self) -> bool:
         """Go one motion back. The later motions stay until the next step.

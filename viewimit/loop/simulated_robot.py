@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..estimation.views import FourViews
+from ..geometry.arrays import Floats
 from ..sensing.frames import MAX_LATENCY_LOOKS, average_frames, estimate_latency, noise_std
 from ..simulation.arms import SimulatedArm, open_arm
 from ..simulation.disturbances import (
@@ -27,7 +28,7 @@ from ..simulation.disturbances import (
 )
 from ..simulation.eyes import SimulatedEyes
 from ..simulation.scene import Scene, load_scene
-from .embodiment import SessionStart, require_in_workspace, round_to_degrees, to_degrees, workspace
+from .arm_and_eyes import SessionStart, require_in_workspace, round_to_degrees, to_degrees, workspace
 from .self_calibration import Body
 from .settings import USUAL_POINTS, Settings
 from .snapshot import Images, Snapshot
@@ -45,16 +46,14 @@ class SimulatedObserver:
 
     sees_any_posture: ClassVar[bool] = True  # False: only the posture where the arm is
 
-    def __init__(self, eyes: SimulatedEyes, theta_rest: NDArray[np.float64]):
+    def __init__(self, eyes: SimulatedEyes, theta_rest: Floats):
         self._eyes, self._theta_rest = eyes, theta_rest
         self._demo: tuple[tuple, Images] | None = None  # cache: key, images
         self._demo_exact: tuple[bytes, Images] | None = None  # cache: posture, images without disturbances
         self._noise: tuple[tuple, float] | None = None
         self._visible: NDArray[np.bool_] | None = None
 
-    def four_views(
-        self, settings: Settings, theta: NDArray[np.float64], theta_demo: NDArray[np.float64], look: int
-    ) -> FourViews:
+    def four_views(self, settings: Settings, theta: Floats, theta_demo: Floats, look: int) -> FourViews:
         """Look at both bodies. theta, theta_demo: (m,) rad; look: its number, of the own body."""
         demo, demo_visible = self.demo(settings, theta_demo)
         own, own_visible = self.own(settings, theta, look)
@@ -63,11 +62,11 @@ class SimulatedObserver:
             self._visible = visible  # mostly the same at every look: shared by all snapshots
         return FourViews(demo, own, self._visible)
 
-    def own(self, settings: Settings, theta: NDArray[np.float64], look: int) -> Images:
+    def own(self, settings: Settings, theta: Floats, look: int) -> Images:
         """Look at the own body. theta: (m,) rad."""
         return observed_images(settings, self._eyes.own_images(theta), OWN_LOOK, look)
 
-    def demo(self, settings: Settings, theta_demo: NDArray[np.float64], look: int | None = None) -> Images:
+    def demo(self, settings: Settings, theta_demo: Floats, look: int | None = None) -> Images:
         """The demonstrator's images: those of its first look, new ones only if it or a disturbance has changed.
 
         theta_demo: (m,) rad; look: number of a later look, which has its own noise.
@@ -84,7 +83,7 @@ class SimulatedObserver:
         """Return the part of the noise that no averaging reduces: standard deviation [px]."""
         return float(self._eyes.noise_px)
 
-    def _demo_look(self, settings: Settings, theta_demo: NDArray[np.float64], *look: int) -> Images:
+    def _demo_look(self, settings: Settings, theta_demo: Floats, *look: int) -> Images:
         if self._demo_exact is None or self._demo_exact[0] != theta_demo.tobytes():
             self._demo_exact = theta_demo.tobytes(), self._eyes.demo_images(theta_demo)
         images = observed_images(settings, self._demo_exact[1], DEMO_LOOK, *stream_of(theta_demo), *look)
@@ -107,7 +106,7 @@ class SimulatedObserver:
             self._noise = key, float(np.hypot(measured, self._eyes.noise_px))
         return self._noise[1]
 
-    def wait_for_motion(self, now: Snapshot, theta: NDArray[np.float64]) -> tuple[int, int | None]:
+    def wait_for_motion(self, now: Snapshot, theta: Floats) -> tuple[int, int | None]:
         """Count the looks until an image shows the motion from `now` to theta, (m,) rad, and estimate the latency.
 
         The first motion that shows gives the latency of all.
@@ -127,7 +126,7 @@ def demo_order(settings: Settings, count: int) -> NDArray[np.int_]:
     return np.random.default_rng([settings.seed, ORDER]).permutation(count)
 
 
-def stream_of(theta: NDArray[np.float64]) -> list[int]:
+def stream_of(theta: Floats) -> list[int]:
     """Stream of a posture, (m,) rad: its angles in millionths of a degree, so that other postures have other noise."""
     return (np.floor(np.degrees(theta) * 1e6 + 0.5).astype(np.int64) % 2**32).tolist()
 
@@ -147,11 +146,14 @@ class SimulatedRobot:
         self.eyes, self.arm, self._scene = eyes, arm, scene
         self.lower, self.upper = scene.lower, scene.upper  # asked for at every motion
 
-    def require_posture(self, theta: ArrayLike, whose: str) -> NDArray[np.float64]:
+    def require_posture(self, theta: ArrayLike, whose: str) -> Floats:
+        """Return a copy of theta, (m,) rad. Raises ValueError for a wrong count, NaN or limits exceeded."""
         return self._scene.require_posture(theta, whose)
 
     def body(self, settings: Settings) -> Body:
-        scene, placed = self._scene, repr(list(map(tuple, settings.body_points))) if settings.body_points else ""
+        """What a calibration with these settings would hold for."""
+        scene = self._scene
+        placed = repr(list(map(tuple, settings.body_points))) if settings.body_points else ""
         return Body(
             robot=scene.robot,
             joints=tuple(scene.moving_joints),
@@ -162,21 +164,26 @@ class SimulatedRobot:
             layout=hashlib.sha256(placed.encode()).hexdigest()[:12] if placed else "",
         )
 
-    def demonstrator(self, settings: Settings) -> NDArray[np.float64]:
+    def demonstrator(self, settings: Settings) -> Floats:
+        """The demonstrator's posture by the settings, (m,) rad. Raises ValueError for one beyond its limits."""
         return _demonstrator(settings, self._scene)
 
-    def settle_demonstrator(self, theta_demo: NDArray[np.float64]) -> NDArray[np.float64]:
+    def settle_demonstrator(self, theta_demo: Floats) -> Floats:
+        """Move the demonstrator to a posture. Return where it comes to rest, (m,) rad each."""
         return self.arm.settle(theta_demo)
 
-    def drive(
-        self, settings: Settings, theta: NDArray[np.float64], sent: NDArray[np.float64], commanded: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def drive(self, settings: Settings, theta: Floats, sent: Floats, commanded: Floats) -> Floats:
+        """Move the learner's arm. Return where it comes to rest, (m,) rad.
+
+        settings: give the disturbances; theta, sent, commanded: (m,) rad, where it is, was last sent and is sent now.
+        """
         return self.arm.drive(settings.amounts(ArmDisturbance), settings.start_rad, theta, sent, commanded)
 
-    def revisit(self, settings: Settings, sent: NDArray[np.float64], commanded: NDArray[np.float64]) -> None:
+    def revisit(self, settings: Settings, sent: Floats, commanded: Floats) -> None:
         """Nothing to do: a simulated arm has no posture of its own."""
 
-    def observer(self, theta_rest: NDArray[np.float64]) -> SimulatedObserver:
+    def observer(self, theta_rest: Floats) -> SimulatedObserver:
+        """An observer of both bodies, which measures the noise with the arm at rest at theta_rest, (m,) rad."""
         return SimulatedObserver(self.eyes, theta_rest)
 
 
@@ -187,7 +194,7 @@ class SimulatedRobotOpener:
         self._open_eyes = open_eyes
         self._opened: tuple[tuple[str, Scene, int, str], SimulatedRobot] | None = None
 
-    def __call__(self, settings: Settings, sent: NDArray[np.float64] | None) -> tuple[SimulatedRobot, SessionStart]:
+    def __call__(self, settings: Settings, sent: Floats | None) -> tuple[SimulatedRobot, SessionStart]:
         scene = load_scene(settings.scene, settings.robot, settings.joints, settings.undistort, settings.body_points)
         settings, demo, start = _complete(settings, scene)
         key = settings.sensor, scene, settings.points, settings.dynamics
@@ -208,7 +215,7 @@ def complete(settings: Settings) -> Settings:
     return _complete(settings, scene)[0]
 
 
-def _complete(settings: Settings, scene: Scene) -> tuple[Settings, NDArray[np.float64], NDArray[np.float64]]:
+def _complete(settings: Settings, scene: Scene) -> tuple[Settings, Floats, Floats]:
     """The completed settings, and the postures of the demonstrator and of the learner's start, (m,) rad."""
     anyway = settings.points == USUAL_POINTS or settings.body_points is not None
     points = scene.layout_near(USUAL_POINTS) if anyway else settings.points
@@ -223,7 +230,7 @@ def _complete(settings: Settings, scene: Scene) -> tuple[Settings, NDArray[np.fl
     return msgspec.structs.replace(settings, **fields), demo, start
 
 
-def _demonstrator(settings: Settings, scene: Scene) -> NDArray[np.float64]:
+def _demonstrator(settings: Settings, scene: Scene) -> Floats:
     """(m,) rad, from the settings, or else the scene. Raises ValueError for a posture beyond its limits."""
     if settings.demonstrator_deg is None:
         posture_deg = np.array(scene.posture_deg)[scene.moving]

@@ -11,6 +11,7 @@ from ..estimation.rectification import fit_transfer, rectify_views
 from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod
 from ..estimation.views import FourViews, Pairs
 from ..geometry.affine import LINE_VIEWS, MIN_POINTS, PairGeometry, fit_pairs, flatness
+from ..geometry.arrays import Floats
 from ..geometry.rectification import Rectification
 from ..servo import SERVOS, Certificate, Misfit, Naming, ServoMethod, ServoState, ServoStatus, verdict
 from ..servo.verdict import ANY_JOINT
@@ -18,9 +19,9 @@ from ..wording import listed, sentences
 from .self_calibration import SelfCalibration
 from .settings import OWN, Settings
 
-Limits = tuple[NDArray[np.float64], NDArray[np.float64]]  # lowest and highest angles, (m,) rad each
+Limits = tuple[Floats, Floats]  # lowest and highest angles, (m,) rad each
 
-Images = tuple[NDArray[np.float64], NDArray[np.bool_]]  # of one body: points (N, 4) px, visible (N, 2)
+Images = tuple[Floats, NDArray[np.bool_]]  # of one body: points (N, 4) px, visible (N, 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,21 +34,21 @@ class Snapshot:
     settings: Settings
     motion: int  # number of motions so far
     look: int  # number of looks at the own body so far
-    theta: NDArray[np.float64]  # (m,) rad, the learner's true posture, for viewers only
-    theta_demo: NDArray[np.float64]  # (m,) rad, the demonstrator's true posture, for viewers only; NaN where unknown
+    theta: Floats  # (m,) rad, the learner's true posture, for viewers only
+    theta_demo: Floats  # (m,) rad, the demonstrator's true posture, for viewers only; NaN where unknown
     views: FourViews  # the image points of both bodies, all N
     rectification: Rectification | None  # of the images, for the transfer; None if they stay as they are
     E: float  # px²; NaN with too few points to fit a transfer
-    commanded: NDArray[np.float64]  # (m,) rad, where the arm was sent: theta, if it obeys exactly
-    moved: NDArray[np.float64]  # (m,) rad, the motion that led here
+    commanded: Floats  # (m,) rad, where the arm was sent: theta, if it obeys exactly
+    moved: Floats  # (m,) rad, the motion that led here
     probe: bool  # that motion was made to learn from it
     status: ServoStatus
     servo_state: Any  # None before the servo was first asked
     lag: int | None  # latency of the images in looks; None until a motion has shown it
     converged_transfer: FittedTransfer | None  # as fitted at the last convergence
     calibration: SelfCalibration | None = None  # images of the own body, recorded before imitating
-    pending_postures: NDArray[np.float64] | None = None  # (k, m) rad, that the calibration has still to visit
-    target: NDArray[np.float64] | None = None  # (m,) rad, where an arm is going that is still on its way
+    pending_postures: Floats | None = None  # (k, m) rad, that the calibration has still to visit
+    target: Floats | None = None  # (m,) rad, where an arm is going that is still on its way
     custom_transfer: TransferMethod | None = None  # given to the session itself; settings call it OWN
     custom_servo: ServoMethod | None = None  # given to the session itself; settings call it OWN
     demo_looks: tuple[Images, ...] = ()  # at the demonstrator since it last moved, in the order of the eyes
@@ -85,7 +86,7 @@ class Snapshot:
         return self._fitted if self.frozen_transfer is None else self.frozen_transfer
 
     @cached_property
-    def recovered(self) -> NDArray[np.float64]:
+    def recovered(self) -> Floats:
         """(N, 4) px: the demonstrator's points, transferred to [L, R]; NaN if not usable."""
         seen, transfer = self.views.used, self.transfer
         if transfer is not None and seen is self.views:
@@ -96,12 +97,12 @@ class Snapshot:
         return recovered
 
     @cached_property
-    def e(self) -> NDArray[np.float64]:
+    def e(self) -> Floats:
         """(N, 4) px: residuals in [L, R], own minus recovered points; NaN if not usable."""
         return self.views.own - self.recovered
 
     @cached_property
-    def residual(self) -> NDArray[np.float64]:
+    def residual(self) -> Floats:
         """(n, C) px: residuals of the usable points, whose squares make E. Needs a transfer."""
         assert self.transfer is not None
         return self.transfer.residual(self.views.used)
@@ -135,7 +136,7 @@ class Snapshot:
         """
         return fit_transfer(TRANSFERS[by] if by else self.method, views, self.rectification)
 
-    def epipolar_lines(self, point: int) -> NDArray[np.float64] | None:
+    def epipolar_lines(self, point: int) -> Floats | None:
         """Compute the epipolar lines of a body point in the original images.
 
         Parameters
@@ -322,7 +323,7 @@ class RunResult:
 
     motions: int  # made in this run
     travel: float  # rad, sum over the motions of the joint that moved most in each
-    joint_travel: NDArray[np.float64]  # (m,) rad, the path length of each joint
+    joint_travel: Floats  # (m,) rad, the path length of each joint
     last: Snapshot  # at which the run ended
     joints: tuple[int, ...] = ()  # numbers of the moving joints, if they are not counted from 1
 
@@ -367,12 +368,12 @@ class RunResult:
         return float(np.degrees(self.travel))
 
     @property
-    def joint_travel_deg(self) -> NDArray[np.float64]:
+    def joint_travel_deg(self) -> Floats:
         """(m,) degrees: `joint_travel` in degrees."""
         return np.degrees(self.joint_travel)
 
     @property
-    def theta(self) -> NDArray[np.float64]:
+    def theta(self) -> Floats:
         """(m,) rad: the arm's true posture at the end, for viewers only."""
         return self.last.theta
 

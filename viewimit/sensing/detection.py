@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
+from ..geometry.arrays import Floats
 from ..geometry.components import connected_components
 from .files import MEGABYTE, require_file
 
@@ -44,7 +45,6 @@ FIRST_OF_DEMONSTRATOR = 25  # number of its marker where the learner wears numbe
 OPENCV_OFFSET_PX = 0.5  # OpenCV has (0, 0) at the centre of the first pixel
 
 Picture = NDArray[np.uint8]
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -184,7 +184,7 @@ def _coloured_part(picture: Picture, middle: float) -> tuple[tuple[int, int], tu
 
 
 def hit_range(hit: NDArray[np.bool_]) -> slice:
-    """Return where the first to the last are that are hit; empty if none is."""
+    """Return the slice from the first to the last True; an empty slice if there is none."""
     where = np.flatnonzero(hit)
     return slice(int(where[0]), int(where[-1]) + 1) if len(where) else slice(0, 0)
 

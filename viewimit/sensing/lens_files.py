@@ -14,8 +14,8 @@ from typing import Any
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
 from ..geometry.distortion import LensDistortion
 from .files import MEGABYTE, parse_toml, read_bytes
 
@@ -35,12 +35,13 @@ OTHER_MODEL = re.compile(f"{FISHEYE.pattern}|equisolid|stereographic|omni|^mei$|
 COUNTS = 2, 4, 5  # of coefficients that may be given
 NUMBERS = "FX,FY,CX,CY,K1,K2,P1,P2,K3"
 BEYOND = 0.1  # of the points' extent, by which a lens's centre lies outside before it is mentioned
-Floats = NDArray[np.float64]
 N_COEFFICIENTS = 5  # k1, k2, p1, p2, k3
 MAX_SKEW = 1e-3  # of the focal length
 UNDISTORT = "remove the distortion from the table: points = cv2{}.undistortPoints(points, K, D, P=K)"
 BY_TOOL = "remove the distortion from the table with the tool that has calibrated it"
-TOKEN = re.compile(r"\s*([\[\]{},]|\"[^\"]*\"|'[^']*'|[^\[\]{},]+)")
+QUOTED = r"(?:\"[^\"]*\"|'[^']*')"
+KEYED = rf"(?:(?:{QUOTED}|[^\[\]{{}},:\"'][^\[\]{{}},:]*)\s*:\s*)?"
+TOKEN = re.compile(rf"\s*([\[\]{{}},]|{KEYED}{QUOTED}(?!\s*:)|[^\[\]{{}},]+)")  # in brackets
 
 
 @dataclass(frozen=True)
@@ -98,7 +99,7 @@ def read_lenses(path: Path) -> dict[str, CalibratedLens]:
     content = read_bytes(path, MEGABYTE)
     try:
         fields = _parsed(path, content)
-    except (ElementTree.ParseError, msgspec.MsgspecError, ValueError, RecursionError) as error:
+    except (msgspec.MsgspecError, ElementTree.ParseError, ValueError, RecursionError) as error:
         raise ValueError(f"{path}: not a calibration that is read: {error}") from None
     found: dict[str, CalibratedLens] = {}
     try:
@@ -267,9 +268,9 @@ def _block(lines: list[tuple[int, str, int]], at: int) -> tuple[Any, int]:
 
 def _flow(text: str) -> Any:
     """A value in a line."""
+    if text[:1] not in ("[", "{"):
+        return _scalar(text)
     tokens = [token.strip() for token in TOKEN.findall(text)]
-    if not tokens or tokens[0] not in "[{":
-        return _scalar(text.strip())
     value, end = _bracket(tokens, 0)
     if end != len(tokens):
         raise ValueError(f"{text[:40]!r} is not understood")
@@ -278,15 +279,18 @@ def _flow(text: str) -> Any:
 
 def _bracket(tokens: list[str], at: int) -> tuple[Any, int]:
     """The list or mapping in brackets that begins at a token, and the first token after it."""
-    items: list[Any] = []
+    found: list[tuple[str, Any]] = []
     is_list, at = tokens[at] == "[", at + 1
     while at < len(tokens) and tokens[at] not in "]}":
         key, _, rest = ("", "", tokens[at]) if is_list else map(str.strip, tokens[at].partition(":"))
-        nested = at if rest in ("[", "{") else at + 1 if not rest else None
-        value, at = (_scalar(rest), at + 1) if nested is None else _bracket(tokens, nested)
-        items.append(value if is_list else (key.strip("\"'"), value))
+        nested = at + (not rest)
+        is_nested = tokens[nested : nested + 1] in (["["], ["{"])
+        value, at = _bracket(tokens, nested) if is_nested else (_scalar(rest), at + 1)
+        found.append((key.strip("\"'"), value))
         at += tokens[at : at + 1] == [","]
-    return (items if is_list else dict(items)), at + 1
+    if tokens[at : at + 1] != ["]" if is_list else "}"]:
+        raise ValueError(f"{' '.join(tokens)[:40]!r} is not understood")
+    return ([value for _, value in found] if is_list else dict(found)), at + 1
 
 
 def _scalar(text: str) -> Any:

@@ -9,17 +9,15 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..estimation.transfers import FittedTransfer
+from ..geometry.arrays import Floats
 from .camera import Cameras
 from .world import World
 
 DIRECTIONS = 12  # corners of a polygon at most
 MIN_DEPTH_M = 0.05  # nearer vertices are moved back to it
 HULL_DIRECTIONS = 48  # directions in 3-D in which a link's extreme vertices are kept
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,11 +14,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..geometry.arrays import Floats
 from ..geometry.distortion import RadialDistortion
 from ..geometry.rigid import look_rotation, rigid_transform, rotation_about_axis
 
 WORLD = np.eye(4)
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

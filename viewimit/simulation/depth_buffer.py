@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
 from .camera import Camera
 
 NEAR_M = 0.05  # triangles and balls that reach nearer to a camera are left out
@@ -20,7 +21,6 @@ TOWARDS_LIGHT = np.array([-1.5, 0.5, 3.0]) / np.sqrt(11.5)  # in the world
 
 CUBE = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])  # around a unit ball
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int_]
 
 

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
 from .scene import Scene
 
 OUTLIER_PX = 60.0  # largest error of a misplaced point's coordinate
 
-Floats = NDArray[np.float64]
 Visible = NDArray[np.bool_]
 
 
@@ -204,7 +204,7 @@ def drive(amounts: ArmAmounts, theta: Floats, commanded: Floats) -> Floats:
 
 
 class SimulatedArm:
-    """An arm of m moving joints without mass: it reaches what the disturbances leave of a command."""
+    """An arm of m moving joints. This one reaches what the disturbances leave of a command; others extend it."""
 
     def __init__(self, scene: Scene):
         self._scene = scene

@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
+
 HEADER, CHUNK = struct.Struct("<4sII"), struct.Struct("<I4s")  # magic, version, bytes in all; bytes, kind
 VERTEX_TYPE, INDEX_TYPE = "<f4", "<u4"
 PARALLEL_M2 = 1e-12  # determinant below which a ray lies in the plane of a triangle
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,9 +14,10 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..assets import ROOT
+from ..geometry.arrays import Floats
 from ..geometry.rigid import rigid_transform, rotation_about_axis
 from .disturbances import ArmAmounts, SimulatedArm
 from .disturbances import drive as disturbed
@@ -29,8 +30,6 @@ STIFFNESS, DAMPING = 0.1, 0.5  # gains of PyBullet's motors: a Panda sags by 0.1
 MAX_REST_SPEED, MAX_MOTION_S = 1e-4, 20.0  # rad/s; s of simulated time
 CHECK_EVERY = 10  # steps
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-
-Floats = NDArray[np.float64]
 
 
 @contextlib.contextmanager
@@ -90,11 +89,10 @@ class PhysicalArm(SimulatedArm):
         for joint, angle in zip(self._joints, theta, strict=True):
             self._client.resetJointState(self._body, joint, float(angle))
         for joint, angle, effort, speed in zip(self._joints, command, self._effort, self._speed, strict=True):
-            by_position, most = self._client.POSITION_CONTROL, {"force": effort, "maxVelocity": speed}
-            gains = {"positionGain": STIFFNESS, "velocityGain": DAMPING}
             self._client.setJointMotorControl2(
-                self._body, joint, by_position, targetPosition=float(angle), **most, **gains
-            )
+                self._body, joint, self._client.POSITION_CONTROL, targetPosition=float(angle), force=effort,
+                maxVelocity=speed, positionGain=STIFFNESS, velocityGain=DAMPING,
+            )  # fmt: skip
         for _ in range(round(MAX_MOTION_S / STEP_S / CHECK_EVERY)):
             for _ in range(CHECK_EVERY):
                 self._client.stepSimulation()

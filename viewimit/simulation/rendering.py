@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.views import VIEWS
+from ..geometry.arrays import Floats
 from ..sensing.detection import Detections, detect, hit_range, reject_partly_hidden
 from .camera import Camera
 from .depth_buffer import DepthBuffer, Triangles, illumination
@@ -26,7 +27,6 @@ STEM_RADIUS_M, STEM_SIDES = 0.003, 12
 SEARCHED_WIDTH = 0.56  # fraction of a picture's width: the head turns to the body that it watches
 NOISE_PX = 0.08  # standard deviation of a coordinate, as studies/detection.py measures it
 
-Floats = NDArray[np.float64]
 Visible = NDArray[np.bool_]
 Picture = NDArray[np.uint8]
 Colours = NDArray[np.uint32]
@@ -175,7 +175,7 @@ class RenderedEyes(SimulatedEyes):
 
     def __init__(self, scene: Scene):
         self.markers = load_markers(scene.robot)
-        self.world = World(scene, body=self.markers.body)
+        super().__init__(scene, body=self.markers.body)
         self.studio = Studio(self.world, self.markers)
         self.cameras: dict[str, Camera] = dict(zip(VIEWS, (*self.world.demo_cameras, *self.world.own_cameras)))
         rest = np.radians(scene.posture_deg)[scene.moving]

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
+from ..geometry.arrays import Floats
 from ..geometry.rigid import rigid_transform, rotation_about_axis
 from ..sensing.files import parse_toml, read_toml
 from .meshes import Mesh, read_glb
@@ -21,7 +22,6 @@ from .urdf.chain import find_arm, turning_joints
 from .urdf.reference import is_reference, parse_reference, require_urdf
 from .urdf.tree import REST_MARGIN, Tree, read_tree
 
-Floats = NDArray[np.float64]
 IDENTITY = np.eye(4)
 BodyPoint = tuple[int, float, float, float]  # link (0 = base), and x, y, z in its frame [m]
 Angles = Sequence[ArrayLike] | Floats  # one array for each joint [rad], broadcast against each other

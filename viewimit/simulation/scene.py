@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
 from ..geometry.affine import MIN_POINTS
+from ..geometry.arrays import Floats
 from ..geometry.distortion import RadialDistortion
 from ..sensing.files import is_text, parse_toml, read_toml
 from .camera import Lens, StereoHead
@@ -21,7 +22,6 @@ from .urdf.reference import is_reference, parse_reference, require_urdf
 if TYPE_CHECKING:
     from .autoscene.scene import AutoScene
 
-Floats = NDArray[np.float64]
 
 Vector = tuple[float, float, float]
 Limits = tuple[tuple[float, float], ...]
@@ -42,7 +42,7 @@ class RobotFileMissing(ValueError):
 class Eye(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One camera of the head, where it differs from the head's values."""
 
-    focal: tuple[float, float] | None = None  # fx, fy [px]
+    focal: tuple[float, float] | None = None  # focal lengths fx, fy [px]
     centre: tuple[float, float] | None = None  # principal point [px]
     distortion: tuple[float, float] = (0.0, 0.0)  # radial, k1, k2 of OpenCV's model
 
@@ -53,12 +53,12 @@ class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     position: Vector  # midpoint between the cameras [m]
     baseline: float  # distance of the cameras [m]
     image: tuple[int, int]  # width and height [px]
-    focal: float  # px
+    focal: float  # focal length [px]
     centre: tuple[float, float]  # principal point [px]
     gaze_demonstrator: Vector  # points that the head looks at [m]
-    gaze_learner: Vector
+    gaze_learner: Vector  # another such point [m]
     verged: bool = False  # each camera looks at the gaze point itself
-    toe_in_deg: float = 0.0  # otherwise, rotation of each camera inwards from parallel
+    toe_in_deg: float = 0.0  # otherwise, rotation of each camera inwards from parallel [deg]
     undistort: tuple[float, float] = (0.0, 0.0)  # radial distortion, k1, k2, that is removed from the images
     left: Eye = Eye()  # values of one camera, instead of the head's
     right: Eye = Eye()
@@ -73,7 +73,7 @@ class Base(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Where an arm stands."""
 
     position: Vector  # in the world [m]
-    yaw_deg: float = 0.0  # rotation about the vertical
+    yaw_deg: float = 0.0  # rotation about the vertical [deg]
 
 
 class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -82,13 +82,13 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     title: str
     robot: str  # shipped, or path of a URDF from the scene file; #base=LINK&tip=LINK&meshes=FOLDER may follow
     moving_joints: tuple[int, ...]  # those that imitate
-    range_deg: Limits  # of the moving joints
-    posture_deg: tuple[float, ...]  # of all joints: at rest, and the moving ones at the demonstrator's start
-    start_deg: tuple[float, ...]  # of the moving joints, at the learner's start
+    range_deg: Limits  # lowest and highest angle of each moving joint [deg]
+    posture_deg: tuple[float, ...]  # of all joints [deg]: at rest, and the moving ones at the demonstrator's start
+    start_deg: tuple[float, ...]  # of the moving joints, at the learner's start [deg]
     head: Head
     demonstrator: Base
     learner: Base
-    points: dict[str, tuple[BodyPoint, ...]]  # layouts of body points, by their number of points
+    points: dict[str, tuple[BodyPoint, ...]]  # (link, x, y, z) [m] of each, by their number
     size: float = 1.0  # scale of the page's drawings around the arms; 1 suits a robot of one metre
 
     @property
@@ -188,7 +188,7 @@ def load_scene(
     if robot is not None:
         load_robot(robot)  # its faults are not the scene's
     try:
-        scene = msgspec.convert(read(), Scene)
+        scene = _converted(read())
         path = None if is_text(name) or is_reference(name) else Path(place)
         scene = msgspec.structs.replace(scene, robot=_robot_of(scene, path, robot))
         if undistort is not None:
@@ -200,16 +200,24 @@ def load_scene(
         raise RobotFileMissing(f"{place}: {error}") from None
     except RecursionError:
         raise ValueError(f"{place}: it nests too deeply") from None
-    except (msgspec.MsgspecError, ValueError) as error:
+    except ValueError as error:
         raise ValueError(f"{place}: {error}") from None
     return scene if joints is None else _with_moving_joints(scene, joints)
 
 
 def extended(scene: Scene, fields: Mapping[str, Any]) -> Scene:
     """Return the scene of a file that extends this one with these fields. Raises ValueError that names the field."""
-    scene = msgspec.convert(merged(msgspec.to_builtins(scene), dict(fields)), Scene)
+    scene = _converted(merged(msgspec.to_builtins(scene), dict(fields)))
     _require_valid(scene)
     return scene
+
+
+def _converted(fields: Mapping[str, Any]) -> Scene:
+    """The scene of these fields. Raises ValueError that names the field of another type."""
+    try:
+        return msgspec.convert(fields, Scene)
+    except msgspec.MsgspecError as error:  # no ValueError before msgspec 0.21
+        raise ValueError(str(error)) from None
 
 
 def scene_for_urdf(name: str | Path, joints: tuple[int, ...] | None = None) -> "AutoScene":

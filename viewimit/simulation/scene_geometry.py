@@ -11,13 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.views import VIEWS
+from ..geometry.arrays import Floats
 from ..geometry.rigid import look_rotation, rotation_about_axis
 from .appearance import extreme_vertices
 from .camera import Camera
 from .robot import link_meshes
 from .world import World
-
-Floats = NDArray[np.float64]
 
 PLATE = 0.17  # m from the camera to its image plate
 LABEL_OFFSET = np.array([-0.16, -0.31, 0.05])  # m from a base's foot to its name
@@ -284,7 +283,9 @@ def fit_view(points: Floats, aspect: float, below: float) -> tuple[Floats, Float
         bounds.append((np.max(along + high_slope * z), high_slope, np.min(along - low_slope * z), low_slope))
     distance = max((high - low) / (high_slope + low_slope) for high, high_slope, low, low_slope in bounds)
     # where the other direction decides the distance, centre in the room that is left
-    across, upwards = ((high - up_ * distance + low + down_ * distance) / 2 for high, up_, low, down_ in bounds)
+    across, upwards = (
+        (high - high_slope * distance + low + low_slope * distance) / 2 for high, high_slope, low, low_slope in bounds
+    )
     position = across * right + upwards * up + distance * backward
     depth = distance - np.mean(z)
     return position, position - depth * backward

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..sensing.files import MAX_NAME_CHARS, escape
 from .robot import Robot, load_robot, robot_names
-from .scene import Scene, load_scene, scene_names
+from .scene import Head, Scene, load_scene, scene_names
 from .urdf.reference import is_reference, parse_reference
 
 COMMENTS = {  # before a field or table
@@ -29,8 +29,8 @@ COMMENTS = {  # before a field or table
     "points": "Layouts of body points on visible surfaces, by their number: [link, x, y, z], m, in the frame of\n"
     "# the link that joint i moves (0 = base)",
 }
-UNDISTORTED = {"distortion": (0.0, 0.0)}
-HEAD = {"verged": False, "toe_in_deg": 0.0, "undistort": (0.0, 0.0), "left": UNDISTORTED, "right": UNDISTORTED}
+_DEFAULTS = ((field.name, field.default) for field in msgspec.structs.fields(Head))
+HEAD = {name: msgspec.to_builtins(default) for name, default in _DEFAULTS if default is not msgspec.NODEFAULT}
 
 
 def scene_file(fields: dict[str, Any], robot: Robot, heading: str) -> str:

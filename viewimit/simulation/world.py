@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..estimation.views import FourViews
+from ..geometry.arrays import Floats
 from ..geometry.rigid import rigid_transform, rotation_about_axis
 from .camera import Camera, Cameras
 from .robot import Angles, BodyPoints, Robot
@@ -15,7 +16,6 @@ from .scene import Base, Scene, load_robot
 HAND_ITERATIONS, FD_STEP_RAD, DAMPING = 12, 1e-4, 1e-4
 MAX_HAND_STEP_RAD = 0.5
 
-Floats = NDArray[np.float64]
 Visible = NDArray[np.bool_]
 
 
@@ -191,7 +191,7 @@ def _placed(base: Base) -> Floats:
 
 
 class SimulatedEyes:
-    """See N body points, matched by index, as the cameras' geometry projects them.
+    """How a simulated head sees N body points, matched by index; here as the cameras' geometry projects them.
 
     Attributes
     ----------
@@ -203,8 +203,9 @@ class SimulatedEyes:
 
     noise_px: float = 0.0
 
-    def __init__(self, scene: Scene, points: int):
-        self.world: World = World(scene, points)
+    def __init__(self, scene: Scene, points: int = 10, body: BodyPoints | None = None):
+        """points, body: as of `World`."""
+        self.world: World = World(scene, points, body=body)
 
     def demo_images(self, theta: Angles) -> tuple[Floats, Visible]:
         """Take the images of the demonstrator, [l] and [r], as `World.demo_images` returns them."""

@@ -326,13 +326,22 @@ def _typeset(mathml: str, y: float) -> tuple[str, float]:
 # Claims
 
 
-def draw_claims(claims: Iterable[tuple[str, str, str, str, bool | None]]) -> str:
-    """Draw a table of the paper's claims below an experiment's figure: name, the paper's value, the value found here,
-    the tolerance, and whether it holds, None if this is not judged."""
+class ClaimRow(NamedTuple):
+    """One statement of the paper beside the result found here."""
+
+    name: str
+    paper: str  # the paper's value
+    here: str  # the value found here
+    tolerance: str  # within which they agree
+    holds: bool | None  # None if this is not judged
+
+
+def draw_claims(claims: Iterable[ClaimRow]) -> str:
+    """Draw a table of the paper's claims below an experiment's figure."""
     parts, y = [_row(HEADS, LINE, "vi-2nd")[0]], LINE
-    for name, *values, holds in claims:
-        cells = name.split(": ", 1)[-1], *values, WORDS[holds]
-        drawn, lines = _row(cells, y + LINE + 3, "" if holds is not False else "vi-b")
+    for one in claims:
+        cells = one.name.split(": ", 1)[-1], one.paper, one.here, one.tolerance, WORDS[one.holds]
+        drawn, lines = _row(cells, y + LINE + 3, "" if one.holds is not False else "vi-b")
         parts.append(drawn)
         y += LINE * lines + 3
     return f'<svg class="vi" viewBox="0 0 {WIDTH} {y + 4:g}">{"".join(parts)}</svg>'

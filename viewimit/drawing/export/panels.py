@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...analysis.landscape import Landscape, conflict_at, grid_axes, landscape_over, seen_from
 from ...analysis.observability import joint_uncertainty
+from ...geometry.arrays import Floats
 from ...loop.settings import disturbances
 from ...loop.snapshot import Snapshot
 from ...simulation.appearance import Bodies, Silhouettes, points_in_images
@@ -15,8 +15,6 @@ from ...simulation.robot import link_meshes
 from ...simulation.world import World
 from ..images.planes import Windows, holds, image_windows
 from ..landscape import LandscapePicture
-
-Floats = NDArray[np.float64]
 
 TOO_FEW = "fewer than five points are seen in all four pictures"
 NO_NAMES = "the points have no names yet"

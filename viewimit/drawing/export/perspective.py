@@ -5,10 +5,12 @@ Unlike a picture of the browser's canvas, it does not depend on the window's siz
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.arrays import Floats
 from ...loop.snapshot import Snapshot
 from ...simulation import scene_geometry
 from ...simulation.camera import triangulate
@@ -19,8 +21,6 @@ from .. import svg
 from ..images.planes import image_points
 from ..theme import ROLES, half_white, rgb
 from .figures import WIDTH, Figure
-
-Floats = NDArray[np.float64]
 
 SUN = np.array([-2.0, -3.0, 5.0]) / np.sqrt(38.0)
 SKY, GROUND = np.array([0.91, 0.90, 1.0]), np.array([0.44, 0.43, 0.49])  # linear light from above and below
@@ -62,7 +62,13 @@ class Viewpoint:
         return half + seen[..., :2] / depth[..., None] * (half[1] / np.tan(self.fov / 2)), seen[..., 2]
 
 
-Item = tuple[float, str]  # depth [m], by which parts are painted, and a part of the drawing
+class Item(NamedTuple):
+    """A part of the drawing, painted in the order of depth."""
+
+    depth: float  # m
+    drawing: str
+
+
 Colour = tuple[int, int, int]  # 0 … 255
 
 
@@ -103,7 +109,7 @@ def draw_space(
         items += [item for vertices, __, colour in links for item in _outline(viewpoint, vertices, colour)]
     points = {arm: world.points_world(postures[arm], bases[arm]) for arm in bases}
     items += _points(world, moment, viewpoint, points, rays, truth)
-    painted = "".join(drawing for _, drawing in sorted(items, key=lambda item: -item[0]))
+    painted = "".join(item.drawing for item in sorted(items, key=lambda item: -item.depth))
     shadows = "".join(_hull_shadow(viewpoint, vertices) for vertices, *__ in links)
     shadows += "".join(_shadow(viewpoint, vertices, faces) for vertices, faces, __ in standing)
     names = "".join(_label(viewpoint, label) for label in scene_geometry.labels(world))
@@ -130,7 +136,7 @@ def _faces(viewpoint: Viewpoint, vertices: Floats, faces: NDArray[np.integer], c
     for triangle, far, shade in zip(places[faces[kept]].reshape(-1, 6), depth[faces[kept]].mean(1), shades.tolist()):
         tint = "#{:02x}{:02x}{:02x}".format(*shade)
         d = TRIANGLE.format(*triangle)
-        yield (float(far), f'<path fill="{tint}" stroke="{tint}" d="{d}"/>')
+        yield Item(float(far), f'<path fill="{tint}" stroke="{tint}" d="{d}"/>')
 
 
 def _outline(viewpoint: Viewpoint, vertices: Floats, colour: Colour) -> Iterator[Item]:
@@ -143,7 +149,7 @@ def _outline(viewpoint: Viewpoint, vertices: Floats, colour: Colour) -> Iterator
             for way in ([0, -0.7, 0.7], [0, 0.7, -0.7])
         )
         look = f'fill="{fill}" stroke="{edge}"'
-        yield (float(depth.mean()), f'<path {look} d="{svg.path(corners)}z"/>')
+        yield Item(float(depth.mean()), f'<path {look} d="{svg.path(corners)}z"/>')
 
 
 def _shaded(normals: Floats, colour: Colour) -> Floats:
@@ -187,7 +193,7 @@ def _mark(
     if depth > NEAR:
         px = radius / float(depth) * WIDTH / viewpoint.aspect / 2 / np.tan(viewpoint.fov / 2)
         d = shape(at[None], round(max(px, 0.4), 2))
-        yield (float(depth) - 2 * radius, f'<path fill="{ROLES[role][0]}" stroke="none" d="{d}"/>')
+        yield Item(float(depth) - 2 * radius, f'<path fill="{ROLES[role][0]}" stroke="none" d="{d}"/>')
 
 
 def _line(
@@ -196,7 +202,7 @@ def _line(
     places, depth = viewpoint.see(np.stack([start, end]))
     if (depth > NEAR).all():
         look = f'stroke="{ROLES[role][0]}" stroke-width="{width}" stroke-opacity="{opacity}"'
-        yield (float(depth.min()), f'<path {look} d="{svg.segments(places[:1], places[1:])}"/>')
+        yield Item(float(depth.min()), f'<path {look} d="{svg.segments(places[:1], places[1:])}"/>')
 
 
 def _hull_shadow(viewpoint: Viewpoint, vertices: Floats) -> str:

@@ -7,13 +7,13 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...analysis.construction import Construction
 from ...estimation.transfers.registry import BADLY_CONDITIONED, ILL_CONDITIONED
 from ...estimation.transfers.transfer import FLATNESS
 from ...estimation.views import VIEWS
 from ...geometry.affine import LINE_VIEWS, MIN_POINTS, POINT_VIEWS
+from ...geometry.arrays import Floats
 from ...loop.snapshot import Snapshot
 from ...simulation.appearance import Bodies
 from .. import svg
@@ -21,8 +21,6 @@ from ..glossary import ask, glossary, key_of
 from ..theme import HEAD, OBSERVED, RECOVERED, RING
 from . import planes
 from .planes import SIZES, Window, Windows, describe_construction, draw_construction, is_shown
-
-Floats = NDArray[np.float64]
 
 GAINS = (10, 5, 2)
 READOUT_UP = 8  # px from the bottom of L and R
@@ -261,22 +259,28 @@ def _chord(line: list[float], window: Window) -> str:
 # Legend and metrics
 
 
-LegendEntry = tuple[str, str, float, float]  # mark, SVG around (10, 0); words; px of its left edge, and its width
+class LegendEntry(NamedTuple):
+    """A mark and what it means."""
+
+    mark: str  # SVG around (10, 0)
+    words: str
+    left: float  # px of the mark's left edge
+    width: float  # px
 
 
 def _legend_entries(gain: float, crossed: bool, goal: bool) -> list[LegendEntry]:
     """List all marks but those of the chosen point. crossed: whether the construction has epipolar lines, or steps."""
     arrow = "residual e" if gain == 1 else f"residual e, ×{gain:g}"
     diamond = lambda r: f"M10-{r}l{r} {r}-{r} {r}-{r}-{r}z"
-    entries: list[LegendEntry] = [
-        ('<path class="vi-own" d="M10 0h0"/>', "own point", 5, 10),
-        (f'<path class="vi-found" d="{diamond(RECOVERED)}"/>', PUT_BY[crossed], 5, 10),
-        ('<path class="vi-e" d="M1 0H16"/><path class="vi-tip" d="M20 0l-4.6 1.9v-3.8z"/>', arrow, 0, 21),
+    entries = [
+        LegendEntry('<path class="vi-own" d="M10 0h0"/>', "own point", 5, 10),
+        LegendEntry(f'<path class="vi-found" d="{diamond(RECOVERED)}"/>', PUT_BY[crossed], 5, 10),
+        LegendEntry('<path class="vi-e" d="M1 0H16"/><path class="vi-tip" d="M20 0l-4.6 1.9v-3.8z"/>', arrow, 0, 21),
     ]
     if goal:
         ghost = '<rect class="vi-goal" x="3.5" y="-5.5" width="13" height="11" rx="4"/>'
         ring = f'<circle class="vi-goal-ring" cx="10" cy="0" r="{GOAL_DOT}"/>'
-        entries.append((f'<g class="vi-ghost">{ghost}{ring}</g>', "goal", 3, 14))
+        entries.append(LegendEntry(f'<g class="vi-ghost">{ghost}{ring}</g>', "goal", 3, 14))
     return entries
 
 
@@ -284,8 +288,8 @@ def _legend_entries(gain: float, crossed: bool, goal: bool) -> list[LegendEntry]
 def write_legend(gain: float, crossed: bool, goal: bool) -> str:
     """Write the legend as HTML that wraps where it must; `describe_construction` tells of the chosen point's marks."""
     written = "".join(
-        f"<span>{svg.sample(mark, left, width)}{words}</span> "
-        for mark, words, left, width in _legend_entries(gain, crossed, goal)
+        f"<span>{svg.sample(one.mark, one.left, one.width)}{one.words}</span> "
+        for one in _legend_entries(gain, crossed, goal)
     )
     return f'<div class="vi-legend">{written}</div>'
 
@@ -295,16 +299,16 @@ def draw_legend(gain: float, chosen: int | None, crossed: bool, goal: bool) -> s
     """Draw the legend in two rows, for print."""
     entries = _legend_entries(gain, crossed, goal)
     if chosen is not None:
-        entries.append(('<circle class="vi-ring" cx="10" cy="0" r="5"/>', f"point {chosen}, its", 3, 14))
+        entries.append(LegendEntry('<circle class="vi-ring" cx="10" cy="0" r="5"/>', f"point {chosen}, its", 3, 14))
     if chosen is not None and crossed:
-        entries += [(planes.line_sample(kind), words, 0, 20) for kind, words in planes.LINE_NAMES.items()]
+        entries += [LegendEntry(planes.line_sample(kind), words, 0, 20) for kind, words in planes.LINE_NAMES.items()]
     elif chosen is not None:
-        entries.append((planes.STEPS_SAMPLE, "steps to it", 0, 20))
+        entries.append(LegendEntry(planes.STEPS_SAMPLE, "steps to it", 0, 20))
     (width, height), parts = LEGEND_SIZE, []
-    for i, (mark, words, *__) in enumerate(entries):
-        label = f'<text class="vi-2nd" x="25" y="4">{words}</text>'
+    for i, entry in enumerate(entries):
+        label = f'<text class="vi-2nd" x="25" y="4">{entry.words}</text>'
         place = f"translate({2 + PRINTED_COLUMN * (i % 4)} {8 + 16 * (i // 4)})"
-        parts.append(f'<g transform="{place}">{mark}{label}</g>')
+        parts.append(f'<g transform="{place}">{entry.mark}{label}</g>')
     return f'<svg class="vi vi-legend" viewBox="0 0 {width} {height}">{"".join(parts)}</svg>'
 
 

@@ -13,15 +13,13 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...analysis.construction import Construction
 from ...estimation.views import FourViews
+from ...geometry.arrays import Floats
 from ...simulation.appearance import ArmImages
 from .. import svg
 from ..theme import RECOVERED
-
-Floats = NDArray[np.float64]
 
 # width and height of each view's drawing, px, by whether whole frames are shown; two of l are as high as one of L
 SIZES = {
@@ -54,8 +52,8 @@ def image_windows(reach: Mapping[str, Floats], frame: tuple[int, int]) -> Window
     for whole, boxes in SIZES.items():
         for pair in ("lr", "LR"):
             spans = {view: np.array([(0, 0), frame], float) for view in pair}
-            for view in pair if not whole else ():
-                if len(reach[view]):
+            for view in pair:
+                if not whole and len(reach[view]):
                     spans[view] = np.array([reach[view].min(0), reach[view].max(0)])
             around = 0 if whole else 2 * MARGIN
             rooms = ((np.array(boxes[view]) - around) / np.maximum(np.ptp(spans[view], 0), 1.0) for view in pair)
@@ -64,8 +62,9 @@ def image_windows(reach: Mapping[str, Floats], frame: tuple[int, int]) -> Window
             corners = {view: (low + high - sizes[view]) / 2 for view, (low, high) in spans.items()}
             free = _free_corners({view: (reach[view] - corners[view]) / sizes[view] for view in pair})
             for view in pair:
-                (x, y), (w, h) = corners[view].tolist(), sizes[view].tolist()
-                windows[whole][view] = Window(x, y, w, h, float(scale), *free)
+                x, y = corners[view].tolist()
+                width, height = sizes[view].tolist()
+                windows[whole][view] = Window(x, y, width, height, float(scale), *free)
     return windows
 
 

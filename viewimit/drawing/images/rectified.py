@@ -4,16 +4,14 @@ Lines across each pair mark the rows of some points in its left image, and the d
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...geometry.arrays import Floats
 from ...geometry.rectification import Rectification
 from ...loop.snapshot import Snapshot
 from ...simulation.appearance import ArmImages, Bodies
 from .. import svg
 from ..theme import OBSERVED
 from .panel import draw_metrics, metrics_of, write_metrics
-
-Floats = NDArray[np.float64]
 
 SIZE = (424, 256)  # px of the drawing
 IMAGE = (96, 96)  # px of an image

@@ -3,14 +3,12 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...geometry.arrays import Floats
 from .. import svg
 from ..labels import Labels
 from ..plots import Axes, linear_ticks
 from ..theme import HEAD, RECOVERED
-
-Floats = NDArray[np.float64]
 
 WIDTH, HEIGHT = 420, 330  # px of one view
 LEFT, TOP, RIGHT, BOTTOM = 44, 24, 8, 24  # px around its plot

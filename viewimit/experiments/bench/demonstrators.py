@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.arrays import Floats
 from ...simulation.arms import SimulatedArm
 from ...simulation.camera import Cameras, Lens
 from ...simulation.disturbances import ArmAmounts
@@ -26,7 +27,6 @@ FOCAL, BASELINE, CENTRE_PX = (0.85, 1.15), (0.8, 1.2), 30.0  # of another head, 
 LENS_K1 = 0.03, 0.06  # of both cameras, negative
 
 Rng = np.random.Generator
-Floats = NDArray[np.float64]
 
 
 class OtherDemonstrator(SimulatedEyes):

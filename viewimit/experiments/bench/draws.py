@@ -85,7 +85,8 @@ class SurfaceEyes(SimulatedEyes):
     """
 
     def __init__(self, scene: Scene, body: BodyPoints, normals: NDArray[np.float64] | None, hidden: float = 0.0):
-        self.world, self._hidden = World(scene, body=body), hidden
+        super().__init__(scene, body=body)
+        self._hidden = hidden
         self._normal_ends = None if normals is None else World(scene, body=BodyPoints(body.link, body.local + normals))
 
     def demo_images(self, theta: Angles) -> tuple[NDArray, NDArray]:

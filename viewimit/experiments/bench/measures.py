@@ -88,7 +88,7 @@ def own_minimum(session: Session) -> NDArray[np.float64]:
     seen = seen_from(session.world, session.snapshot)
     over = lambda axes: landscape_over(*seen, axes)
     degrees, axes, images = _grids(session.world)
-    places = Landscape(axes, *conflict_of_images(*seen[1:], *images)).local_minima()
+    places = Landscape(axes, *conflict_of_images(seen.fit, seen.demo, seen.demo_visible, *images)).local_minima()
     if not len(places):
         return np.full(2, np.nan)
     about = [

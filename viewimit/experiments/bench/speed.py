@@ -110,7 +110,8 @@ def call_s(call: Callable[[], object]) -> float:
 def median_s(work: Callable[[], object], rounds: int | None = None) -> float:
     """Return the CPU time of this process for some work, after one call to warm up."""
     work()
-    return float(np.median(timeit.repeat(work, timer=time.process_time, repeat=rounds or ROUNDS, number=1)))
+    collecting = "import gc; gc.enable()"  # as in use; timeit switches it off
+    return float(np.median(timeit.repeat(work, collecting, time.process_time, rounds or ROUNDS, number=1)))
 
 
 def speed_table(found: Times) -> str:

@@ -178,7 +178,8 @@ def run(
 def _minima(session: Session, transfer: str, axes: tuple[NDArray, NDArray]) -> tuple[Conflict, Landscape, Minima]:
     """E as a function, on the grid, and its minima, for the demonstrator as the learner has seen it."""
     seen = seen_from(session.world, session.snapshot, transfer)
-    E_at, found = lambda theta: conflict_at(*seen, theta)[0], landscape_over(*seen, axes)
+    E_at = lambda theta: conflict_at(*seen, theta)[0]
+    found = landscape_over(*seen, axes)
     return E_at, found, local_minima(found, E_at)
 
 

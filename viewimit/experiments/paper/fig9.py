@@ -23,7 +23,7 @@ PAPERS_LAWS, BESIDE = ("gradient", "gradient-retuned"), "broyden"
 MAX_MOTIONS = 3_000
 STARTS = (2, 3)  # for each joint of two, evenly over its range, besides the scene's own
 OFFSET_DEG = 30.0  # largest distance of each start from the demonstrator unless two joints move
-ON_PICTURES: dict[str, Any] = {  # of which two take a tenth of a second: fewer starts and motions, and one more servo
+ON_PICTURES: dict[str, Any] = {  # two pictures take a tenth of a second: fewer starts and motions, but one servo more
     "starts": (1, 2), "max_motions": 300, "laws": (*PAPERS_LAWS, BESIDE, "likelihood"),
 }  # fmt: skip
 WITHIN_DEG = (3.0, 1.0)

@@ -143,8 +143,8 @@ def predicted_changes(
     moved_by[n:] ^= np.tile(np.eye(m, dtype=bool), (n, 1))
     seen = problem.observations
     observations = Observations(seen.displacement, seen.images[:, copies], seen.visible_in_both[:, copies])
-    of_copies = {name: getattr(problem, name)[:, copies] for name in ("coordinates", "magnification")}
-    extended_problem = replace(problem, observations=observations, **of_copies)
+    coordinates, magnification = problem.coordinates[:, copies], problem.magnification[:, copies]
+    extended_problem = replace(problem, observations=observations, coordinates=coordinates, magnification=magnification)
     extended = replace(kinematics, points=kinematics.points[copies], moved_by=moved_by)
     extended = extended.with_points(np.arange(len(copies)) >= n, observations, extended_problem.coordinates)
     A, g, cost = _reduced_normal_equations(extended, extended_problem)

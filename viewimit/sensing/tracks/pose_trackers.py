@@ -63,17 +63,12 @@ def read_deeplabcut_csv(path: Path, individual: str | None) -> Track:
         cells = table.filled(line, cells, len(parts))
         if not frames and not any(map(str.strip, cells[first:])) and not _is_frame(cells[first - 1]):
             continue  # the name of pandas' index
-        frames.append(table.whole(line, "1", cells[first - 1], labels.add))
+        frames.append(table.frame(labels, line, "1", cells[first - 1]))
         numbers.append(
             [_cell(table, line, first + k + 1, one, text) for k, (one, text) in enumerate(zip(headings, cells[first:]))]
         )
     values = np.array(numbers).reshape(len(frames), len(headings))
     return track_of(str(path), headings, labels, frames, values, individual)
-
-
-def _trimmed(heading: Heading) -> Heading:
-    individual, part, coordinate = (name.strip() for name in heading)
-    return individual, part, coordinate
 
 
 def _is_frame(text: str) -> bool:
@@ -82,6 +77,11 @@ def _is_frame(text: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def _trimmed(heading: Heading) -> Heading:
+    individual, part, coordinate = (name.strip() for name in heading)
+    return individual, part, coordinate
 
 
 def _cell(table: Table, line: int, column: int, heading: Heading, text: str) -> float:
@@ -278,16 +278,17 @@ def read_sleap_csv(path: Path, individual: str | None) -> Track:
     tracks = [cells[at[TRACK]].strip() if TRACK in at else "" for _, cells in read]
     chosen = choose_individual(str(path), list(dict.fromkeys(filter(None, tracks))), individual)
     endings = dict.fromkeys(heading[k][len(node) :] for node, found in about.items() for k, one in found if one in SEEN)
-    rows = Rows(FrameLabels(), [meaning_of(ending) for ending in endings])
+    meanings = [meaning_of(ending) for ending in endings]
+    rows = Rows(FrameLabels(), meanings)
+    asked = {node: [(name, at.get(name), meaning) for name, meaning in zip([node + one for one in endings], meanings)]
+             for node in nodes}  # fmt: skip
     for (line, cells), track in zip(read, tracks):
         if track != chosen:
             continue
-        frame = table.whole(line, FRAME, cells[at[FRAME]], rows.labels.add)
+        frame = table.frame(rows.labels, line, FRAME, cells[at[FRAME]])
         for node in nodes:
             x, y = (table.number(line, node + axis, cells[at[node + axis]], np.nan) for axis in (X, Y))
-            names = [node + ending for ending in endings]
-            says = [table.seen(line, one, meaning_of(one[len(node) :]), cells[at[one]]) if one in at else np.inf
-                    for one in names]  # fmt: skip
+            says = [np.inf if k is None else table.seen(line, one, of, cells[k]) for one, k, of in asked[node]]
             if np.isfinite((x, y)).all():
                 rows.add(line, frame, node, x, y, says)
     try:

@@ -121,8 +121,15 @@ class Table:
         except ValueError as error:
             raise ValueError(f"{error}: write 1 or 0, yes or no, or a share in 0 … 1") from None
 
-    def whole(self, line: int, column: str, text: str, read: Callable[[str], int] = whole_number) -> int:
-        """Return a whole number as `read` finds it in a cell, such as the index of a frame's label."""
+    def whole(self, line: int, column: str, text: str) -> int:
+        """Return a whole number."""
+        return self._read(whole_number, line, column, text)
+
+    def frame(self, labels: FrameLabels, line: int, column: str, text: str) -> int:
+        """Return the index of a frame's label."""
+        return self._read(labels.add, line, column, text)
+
+    def _read(self, read: Callable[[str], int], line: int, column: str, text: str) -> int:
         try:
             return read(text)
         except ValueError as error:
@@ -288,7 +295,7 @@ def _rows_by_view(
         if rows is None:
             rows = read[view] = Rows(FrameLabels(), [meaning for _, meaning in columns.seen])
         named = ("", "0") if frame_at < 0 else (heading[frame_at], cells[frame_at])
-        label = table.whole(line, *named, rows.labels.add)
+        label = table.frame(rows.labels, line, *named)
         x = table.number(line, heading[x_at], cells[x_at], np.nan)
         y = table.number(line, heading[y_at], cells[y_at], np.nan)
         rows.add(line, label, point, x, y, _seen(table, line, heading, cells, columns))

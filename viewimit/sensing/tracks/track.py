@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 
 from ...estimation.views import VIEW_NAMES, VIEWS, FourViews
 from ...geometry.affine import MIN_POINTS
+from ...geometry.arrays import Floats
 from ...wording import first_of
 from ..files import MAX_NAME_CHARS, escape
 from ..frames import is_missing_value
 from .columns import Meaning
 from .names import same_names, unmatched_names
 from .numbering import FrameLabels
-
-Floats = NDArray[np.float64]
 
 MAX_PX = 1e6  # of a coordinate: no picture is larger
 MAX_CELLS = 5_000_000  # frames times points

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...geometry.arrays import Floats
 from ...geometry.rigid import rigid_transform, rotation_about_axis
 from ..camera import Camera, Cameras, Lens, StereoHead
 from ..robot import Robot
@@ -28,8 +28,6 @@ MIN_DEPTH_M = 0.05
 FD_STEP_RAD = 1e-4
 MAX_RANGE_DEG, MIN_RANGE_DEG = 90.0, 2.0  # of a moving joint
 ROUNDED_RANGE_DEG = 10.0  # wider ranges end at whole degrees
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...geometry.arrays import Floats
 from ...wording import first_of
 from ..camera import Cameras
 from ..robot import Robot
@@ -42,7 +42,6 @@ VIEW_ANGLES = 3  # of those, for visibility
 MIN_GAIN = 1.02  # by which another yaw must be better
 START = 0.2, 0.8, 0.35  # of the ranges of the moving joints: the learner's start
 
-Floats = NDArray[np.float64]
 Ranges = Sequence[tuple[float, float]]  # of the moving joints [deg]
 
 

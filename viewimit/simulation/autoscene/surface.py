@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.arrays import Floats
 from ..camera import Camera
 from ..meshes import Mesh
 from ..robot import BodyPoints, Robot
@@ -19,7 +20,6 @@ DEPTH_TOL = 0.03  # of the distance to a camera, by which a visible place may li
 MIN_VISIBLE_FRACTION = 0.6  # of the views, for a place to be chosen
 MIN_PLACES_PER_PART = 6  # if fewer are visible so often, the most visible ones are used
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int_]
 
 

@@ -1,14 +1,13 @@
 """Find the arm of a URDF, the longest chain of revolute joints without fingers, and the joint that moves each link."""
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...geometry.arrays import Floats
 from .tree import KINDS, REST_MARGIN, SLIDING, TURNING, Tree, TreeJoint
-
-Floats = NDArray[np.float64]
 
 FINGER = re.compile(r"finger|jaw|thumb|knuckle|claw", re.IGNORECASE)  # in the name of a joint or of its child link
 GRIPPER = re.compile(r"grip", re.IGNORECASE)  # in the name of a joint; a link of that name may be the whole hand
@@ -65,8 +64,13 @@ def find_arm(tree: Tree, base: str | None = None, tip: str | None = None) -> Cha
         if joint.kind in TURNING and joint.lower > joint.upper:
             limits = f"lower={joint.lower:g} upper={joint.upper:g}"
             raise ValueError(f"{tree.path}: joint {joint.name!r}: its limits {limits} leave it no angle: swap them")
-    ends = [each[-1].child for each in map(_up_to_last_revolute, arms) if not tip and each and _is_as_long(each, arm)]
-    return Chain(arm[0].parent, tip or arm[-1].child, arm, tuple(dict.fromkeys(e for e in ends if e != arm[-1].child)))
+    return Chain(arm[0].parent, tip or arm[-1].child, arm, () if tip else _equal_tips(arm, arms))
+
+
+def _equal_tips(arm: tuple[TreeJoint, ...], arms: Iterable[tuple[TreeJoint, ...]]) -> tuple[str, ...]:
+    """Last links of the other arms with as many joints and, but for rounding, the same length."""
+    ends = [each[-1].child for each in map(_up_to_last_revolute, arms) if each and _is_as_long(each, arm)]
+    return tuple(dict.fromkeys(link for link in ends if link != arm[-1].child))
 
 
 def turning_joints(arm: Chain) -> list[TreeJoint]:

@@ -19,6 +19,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from ...geometry.arrays import Floats
 from ...geometry.components import connected_components
 from ...sensing.files import read_bytes
 
@@ -32,8 +33,6 @@ PACKAGE_FILE = "package.xml"
 MAX_FILE_FACES, MAX_LINK_FACES = 1500, 6000  # of one file, and of all shapes that one joint moves
 MAX_CELLS, MIN_CELLS = 128, 4  # along the longest side
 CREASE_COS = np.cos(np.radians(38.0))  # sharper edges are shaded as edges
-
-Floats = NDArray[np.float64]
 
 
 class NotFound(Exception):

@@ -11,8 +11,8 @@ from typing import cast
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from ...geometry.arrays import Floats
 from ...wording import first_of
 from ..meshes import Mesh
 from .chain import Chain, carrier_frames, find_arm, held_links
@@ -27,7 +27,6 @@ ROD_RADIUS = 0.035  # of the arm's length, as the next two
 MIN_ROD = 0.05  # nearer joints have no rod between them
 STUB = 0.12  # length of a rod that leads nowhere
 
-Floats = NDArray[np.float64]
 Meshes = dict[int, Mesh]  # by link number
 
 

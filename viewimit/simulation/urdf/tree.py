@@ -9,13 +9,11 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...geometry.arrays import Floats
 from ...geometry.rigid import rigid_transform, rotation_about_axis, rotation_from_rpy
 from ...sensing.files import read_bytes
 from .reference import MAX_BYTES, require_urdf_content
-
-Floats = NDArray[np.float64]
 
 TURNING, SLIDING, FREE = ("revolute", "continuous"), ("prismatic",), ("planar", "floating")
 KINDS = (*TURNING, *SLIDING, *FREE, "fixed")

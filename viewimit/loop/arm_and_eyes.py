@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..estimation.views import FourViews
+from ..geometry.arrays import Floats
 from .settings import Settings
 from .snapshot import Limits
 
@@ -18,21 +18,21 @@ class Arm(Protocol):
     """An arm of m joints, for `Session.of`. Postures are (m,) rad, with the joints always in the same order."""
 
     @property
-    def lower(self) -> NDArray[np.float64]:
+    def lower(self) -> Floats:
         """(m,) rad: no joint is sent below."""
         ...
 
     @property
-    def upper(self) -> NDArray[np.float64]:
+    def upper(self) -> Floats:
         """(m,) rad: no joint is sent above."""
         ...
 
     @property
-    def start(self) -> NDArray[np.float64]:
+    def start(self) -> Floats:
         """(m,) rad: where a session first sends the arm."""
         ...
 
-    def move(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    def move(self, theta: Floats) -> Floats:
         """Move the arm, and return when it is at rest.
 
         Parameters
@@ -90,13 +90,13 @@ class SessionStart:
     """A session at its beginning."""
 
     settings: Settings  # complete
-    start: NDArray[np.float64]  # (m,) rad, where the learner was sent
-    theta: NDArray[np.float64]  # (m,) rad, where it is
-    theta_demo: NDArray[np.float64]  # (m,) rad, where the demonstrator is; NaN where it is unknown
+    start: Floats  # (m,) rad, where the learner was sent
+    theta: Floats  # (m,) rad, where it is
+    theta_demo: Floats  # (m,) rad, where the demonstrator is; NaN where it is unknown
     workspace: Limits  # of the learner
 
 
-def workspace(settings: Settings, lower: NDArray[np.float64], upper: NDArray[np.float64]) -> Limits:
+def workspace(settings: Settings, lower: Floats, upper: Floats) -> Limits:
     """The lowest and highest angle to which each joint may be sent: those of the settings, or else the arm's limits.
 
     lower, upper: (m,) rad, the arm's own limits. Raises ValueError for a workspace of another number of joints, or one
@@ -119,9 +119,7 @@ def workspace(settings: Settings, lower: NDArray[np.float64], upper: NDArray[np.
     return np.maximum(low, lower), np.minimum(high, upper)
 
 
-def require_in_workspace(
-    theta: NDArray[np.float64], low: NDArray[np.float64], high: NDArray[np.float64], whose: str
-) -> NDArray[np.float64]:
+def require_in_workspace(theta: Floats, low: Floats, high: Floats, whose: str) -> Floats:
     """Return a posture, (m,) rad. Raise ValueError if it is outside the workspace [low, high], (m,) rad each."""
     for k, (angle, lowest, highest) in enumerate(zip(*map(np.degrees, (theta, low, high))), 1):
         if not lowest - TOLERANCE_DEG <= angle <= highest + TOLERANCE_DEG:
@@ -132,7 +130,7 @@ def require_in_workspace(
     return np.clip(theta, low, high)
 
 
-def waypoints(sent: NDArray[np.float64], target: NDArray[np.float64], max_step: float) -> list[NDArray[np.float64]]:
+def waypoints(sent: Floats, target: Floats, max_step: float) -> list[Floats]:
     """Postures on the straight line from `sent` to the target, (m,) rad each. The last one is the target.
 
     max_step: rad, the longest motion of a joint between two of them; inf for the target alone.
@@ -142,13 +140,11 @@ def waypoints(sent: NDArray[np.float64], target: NDArray[np.float64], max_step: 
     return [*(sent + way * (k / motions) for k in range(1, motions)), target]
 
 
-def round_to_degrees(
-    theta: NDArray[np.float64], lower: NDArray[np.float64], upper: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def round_to_degrees(theta: Floats, lower: Floats, upper: Floats) -> Floats:
     """A posture, (m,) rad, exactly as settings reproduce it that hold it in degrees, clipped to its limits."""
     return np.clip(np.radians(to_degrees(theta)), lower, upper)
 
 
-def to_degrees(theta: NDArray[np.float64]) -> tuple[float, ...]:
+def to_degrees(theta: Floats) -> tuple[float, ...]:
     """Convert rad to degrees, without the rounding error of the conversion."""
     return tuple(float(angle) for angle in np.round(np.degrees(theta), 9))

@@ -8,7 +8,7 @@ from ..model.choices import MESSAGE_S
 from ..model.motions import MOST_BYTES, NAMES
 from ..model.page_model import PageModel
 from ..model.pictures import FORMATS, PICTURES, save_picture, save_replay
-from ..model.queue import add_command, command, one_of, titled
+from ..model.queue import add_command, command, number, one_of, titled
 
 EXPERIMENT = titled(EXPERIMENTS, "experiment")
 MOTION = one_of({title: name for name, title in NAMES.items()}, "there is no motion {value}")
@@ -16,6 +16,7 @@ MOTION = one_of({title: name for name, title in NAMES.items()}, "there is no mot
 add_command("run", lambda model: model.experiments.run_or_cancel())
 add_command("download", lambda model: model.experiments.download())
 add_command("motion", lambda model, name: model.motions.choose(name), MOTION, latest=True, moves=True)
+add_command("motion_time", lambda model, seconds: model.motions.scrub(seconds), number, latest=True, moves=True)
 add_command("record", lambda model: model.motions.record(), moves=True)
 add_command("replay", lambda model: model.motions.replay(), moves=True)
 add_command("save_motion", lambda model: model.motions.save(), moves=True)
@@ -25,12 +26,6 @@ add_command("scene", lambda model: model.points.save(), link=True)
 @command("experiment", latest=True)
 def choose_experiment(model: PageModel, name: Annotated[str, EXPERIMENT]) -> None:
     model.experiments.chosen = name
-
-
-@command("motion_time", latest=True, moves=True)
-def show_motion_at(model: PageModel, seconds: float) -> None:
-    """Show a moment of the chosen motion."""
-    model.motions.scrub(seconds)
 
 
 @command("picture", latest=True)

@@ -189,11 +189,6 @@ MAX_LAYOUTS = 16
 MAX_TITLE = 200  # characters
 
 
-def place_in_link(place: str) -> str:
-    """Return how a link names a scene or a robot: a scene file by its content, any other file by its name."""
-    return scene_text_of(place) if place.lower().endswith(".toml") else file_name(place)
-
-
 def scene_text_of(place: str) -> str:
     """Return the content of a scene file, where possible; otherwise its name."""
     try:

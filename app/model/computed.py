@@ -146,18 +146,19 @@ def _without_start(settings: Settings) -> Settings:
 
 class Comparison:
     """The landscapes of all transfers, computed only while they are shown. Each is asked for separately, so that those
-    of other pages come in between. on: whether they are to be shown; html: None while the one that is used is shown."""
+    of other pages come in between. on: whether they are to be shown; toggles: how often that has changed; html: None
+    while the one that is used is shown."""
 
     def __init__(self, beside: Callable[..., None]):
         self._beside = beside
         self._asked: tuple | None = None  # a world and what E depends on; None while nothing is shown
         self._compared: dict[str, tuple[tuple, str]] = {}  # by transfer: what was asked for, and its drawing
         self._fresh: set[str] = set()  # what has come since the last drawing
-        self.on = False
+        self.on, self.toggles = False, 0
         self.html: str | None = None
 
     def toggle(self) -> None:
-        self.on, self._asked = not self.on, None
+        self.on, self.toggles, self._asked = not self.on, self.toggles + 1, None
         if not self.on:
             self.html = None
 

@@ -16,15 +16,21 @@ from viewimit.loop.script import Script
 from viewimit.loop.session import Session
 from viewimit.loop.settings import DISTURBANCES, Settings
 from viewimit.loop.snapshot import Snapshot
+from viewimit.sensing.files import file_name
 
 from ..lab.recording import lab_methods, lacks
 from ..presets import LAB_PRESETS
-from .choices import PRESETS, SWITCHES, WARNING_S, Preset, View, place_in_link, usual
+from .choices import PRESETS, SWITCHES, WARNING_S, Preset, View, scene_text_of, usual
 from .link import VERSUS
 from .page_model import PageModel, Redraw
 
 MAX_READABLE = 6_000  # characters of a query, above which its script is packed
 FOR_PAGE = 200  # characters that the page's own fields may take
+
+
+def place_in_link(place: str) -> str:
+    """Return how a link names a scene or a robot: a scene file by its content, any other file by its name."""
+    return scene_text_of(place) if place.lower().endswith(".toml") else file_name(place)
 
 
 def share_link(model: PageModel, hides: bool = False) -> str:

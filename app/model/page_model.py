@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from viewimit.drawing.export.panels import largest_residual
+from viewimit.drawing.export.panels import landscape_key, largest_residual
 from viewimit.drawing.export.perspective import Viewpoint
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
@@ -51,6 +51,7 @@ class PageModel:
         self.landscape, self.duel_landscapes = OwnLandscape(beside), DuelLandscapes(beside)
         self.comparison = Comparison(beside)
         self.basins = Basins(services.basins, queue)
+        self._asked_for: tuple = ()  # what landscapes and basins depend on
         self.tour_offered = True
         self.eye: Callable[[], Viewpoint | None] = lambda: None
         self.generation, self.inputs = 0, 0
@@ -100,11 +101,15 @@ class PageModel:
 
     def ask_for_landscapes(self) -> None:
         """Ask for the landscapes that have changed since they were asked for last."""
-        world, present = self.session.world, self.session.snapshot
-        self.landscape.ask(world, present)
-        self.comparison.ask(world, present)
-        self.basins.follow(self.session)
-        self.duel_landscapes.ask(world, present, self.duel.opponent)
+        world, present, opponent = self.session.world, self.session.snapshot, self.duel.opponent
+        learners = [present] if opponent is None else [present, opponent.snapshot]
+        key = world, self.comparison.toggles, [(one.settings, landscape_key(one)) for one in learners]
+        if key != self._asked_for:
+            self._asked_for = key
+            self.landscape.ask(world, present)
+            self.comparison.ask(world, present)
+            self.basins.follow(self.session)
+            self.duel_landscapes.ask(world, present, opponent)
 
     def refresh(self, now: float, shortest_motion: float = 0.0) -> Displayed:
         """Update the display. shortest_motion: s; an arm that moves for less is displayed where it arrives."""

@@ -74,11 +74,8 @@ COMMANDS: dict[str, Command] = {}
 
 
 def add_command(name: str, function: Callable[..., None], *parsers: Callable[[Any], Any], **options: Any) -> None:
-    """Add a command that is one line; `command` registers the others.
-
-    options: fields of `Command`. Raises ValueError for a name that is taken, or another number of parsers than of
-    parameters after the model.
-    """
+    """Add a command that is one line. options: fields of `Command`. Raises ValueError for a name that is taken, or
+    another number of parsers than of parameters after the model."""
     if name in COMMANDS:
         raise ValueError(f"two commands named {name!r}")
     needed = len(_after_model(function))

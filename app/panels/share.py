@@ -1,6 +1,7 @@
 """What a visitor takes away: a replay, pictures, and a link to what the page shows, its QR code, and its code."""
 
 import html
+from operator import attrgetter
 
 import segno
 from viser import Icon
@@ -9,8 +10,7 @@ from viewimit.loop.codegen import as_command, as_python
 from viewimit.sensing.files import file_name
 from viewimit.wording import listed
 
-from ..model.choices import place_in_link
-from ..model.keeping import lab_address, lab_lacks, share_link
+from ..model.keeping import lab_address, lab_lacks, place_in_link, share_link
 from ..model.link import files_named
 from ..model.page_model import PageModel
 from ..model.pictures import FORMATS, PICTURES, lacking
@@ -30,8 +30,8 @@ def save(layout: Layout, model: PageModel) -> None:
     gui = layout.gui
     with layout.folder("Save"):
         layout.button(("Save replay", Icon.MOVIE), "save_replay", hint=REPLAY)
-        layout.dropdown("Picture", PICTURES, lambda model: model.view.picture, "picture")
-        layout.dropdown("As", FORMATS, lambda model: model.view.picture_as, "picture_format")
+        layout.dropdown("Picture", PICTURES, attrgetter("view.picture"), "picture")
+        layout.dropdown("As", FORMATS, attrgetter("view.picture_as"), "picture_format")
         layout.button(("Save picture", Icon.PHOTO_DOWN), "save_picture", hint=PICTURE)
         if why := lacking():
             gui.add_html(f'<div class="vi-why">{html.escape(why)}</div>')

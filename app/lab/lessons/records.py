@@ -119,10 +119,8 @@ def bias_deg(situation: Situation, transfer: str | None = None) -> float:
 def biases(situation: Situation) -> dict[str, Any]:
     """Degrees from the smallest E to the demonstrator's posture, by transfer, at all DISTANCES."""
     at = [situation.with_eyes(distance=times) for times in DISTANCES]
-    return {
-        "times": list(DISTANCES),
-        "degrees": {name: plain([bias_deg(one, name) for one in at]) for name in TRANSFERS},
-    }
+    degrees = {name: plain([bias_deg(one, name) for one in at]) for name in TRANSFERS}
+    return {"times": list(DISTANCES), "degrees": degrees}
 
 
 @cache

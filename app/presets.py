@@ -14,8 +14,7 @@ USUAL_SPEED = 2.0  # steps a second
 
 @dataclass(frozen=True)
 class Preset:
-    """name: as listed; motions_per_second: 0 is as fast as it computes; key: in links; where: "lab" or "workbench", if
-    only that has it."""
+    """motions_per_second: 0 is as fast as it computes; key: in links; where: "lab" or "workbench", if only there."""
 
     name: str
     settings: Settings

@@ -104,12 +104,18 @@ class Login(Struct, tag="login", **FIELDS):
 # What a lecturer's browser sends besides
 
 
-class Do(Struct, tag="do", **FIELDS):
-    """One thing. logout: here; take: this page leads from now on, not another of the lecturer's; close: the question is
-    over, and students go on where they were; reset: all start their step again; export: all answers as CSV; gain: what
-    the class has learned, by the eight questions; new: the answers are deleted, and a new class begins."""
+class Order(Struct, tag="do", **FIELDS):
+    """An order without details."""
 
-    what: Literal["logout", "take", "close", "reset", "export", "gain", "new"]
+    what: Literal[
+        "logout",  # in this browser
+        "take",  # this page leads from now on, not another of the lecturer's
+        "close",  # the question is over, and students go on where they were
+        "reset",  # all start their step again
+        "export",  # all answers as CSV
+        "gain",  # what the class has learned, by the eight questions
+        "new",  # the answers are deleted, and a new class begins
+    ]
 
 
 class Switch(Struct, tag="switch", **FIELDS):
@@ -170,7 +176,7 @@ class Invite(Struct, tag="invite", **FIELDS):
 
 
 FromStudent = Hello | Self | At | Answer | Copy | Login
-FromLecturer = Do | Switch | NewCode | Ask | Reveal | State | Gather | Request | Invite
+FromLecturer = Order | Switch | NewCode | Ask | Reveal | State | Gather | Request | Invite
 Message = FromStudent | FromLecturer
 ORDERS = FromLecturer.__args__
 _decoder = msgspec.json.Decoder(Message)

@@ -22,8 +22,11 @@ SEED = 1
 
 
 def as_csv(rows: Iterable[Row]) -> str:
-    """Return all answers as a table. A person is a random number, or "unlinked". An answer to a choice is its place in
-    the lesson's file, from 1. `seconds` count from the moment at which the question was shown."""
+    """Return all answers as a table.
+
+    A person is a random number that stays the same over the class, or "unlinked". An answer to a choice is its place in
+    the lesson's file, from 1. `seconds` count from the moment at which the question was shown.
+    """
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(COLUMNS)

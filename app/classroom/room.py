@@ -97,8 +97,9 @@ class Room:
         store.keep("salt", self._salt)
         if is_new_code:
             store.keep("code", None)
-        self.has_own_code = kept.code is not None and not is_new_code
-        self._code = (kept.code if self.has_own_code else None) or self._hash(code)
+        self.has_own_code, self._code = False, self._hash(code)
+        if kept.code is not None and not is_new_code:
+            self.has_own_code, self._code = True, kept.code
         self._sessions: dict[str, None] = dict.fromkeys(kept.sessions)
         self._numbers = store.persons  # by key, of those who have linked answers
         self._places: dict[str, int] = {}  # by key, of all since the server began
@@ -178,6 +179,11 @@ class Room:
         if self.persons.get(person.key) is person:
             self._changed.add(person)
 
+    def _set_self(self, person: Person, told: p.Self) -> None:
+        person.name = name_of(told.name)
+        self._tell_of(person)
+        self._link(person, told.linked)
+
     def _new_number(self) -> int:
         taken = {*self._numbers.values(), *(one.number for one in self.persons.values())}
         while (number := secrets.choice(PERSON_NUMBERS)) in taken:
@@ -205,8 +211,8 @@ class Room:
     def _may_try(self, browser: Browser) -> bool:
         """Whether a browser may type a code now: others at its address do not keep it from that."""
         assert browser.person is not None
-        new = self._new_codes.setdefault(browser.place, TokenBucket(NEW_CODES_PER_S, NEW_CODES_AT_ONCE))
-        return browser.person.codes.take() and (browser.person.key in self._stayed or new.take())
+        bucket_of_place = self._new_codes.setdefault(browser.place, TokenBucket(NEW_CODES_PER_S, NEW_CODES_AT_ONCE))
+        return browser.person.codes.take() and (browser.person.key in self._stayed or bucket_of_place.take())
 
     def _become_lecturer(self, browser: Browser, session: str) -> None:
         self._sessions.pop(session, None)
@@ -220,6 +226,11 @@ class Room:
 
     def _keep_sessions(self) -> None:
         self.store.keep("sessions", msgspec.json.encode(list(self._sessions)).decode())
+
+    def _logout(self, browser: Browser) -> None:
+        self._sessions.pop(browser.session or "", None)
+        self._keep_sessions()
+        self._become_student(browser)
 
     def _become_student(self, browser: Browser) -> None:
         browser.session = None
@@ -276,14 +287,9 @@ class Room:
         asked = self.orders.asked
         return None if asked is None else next((one for one in self.rounds if one.number == asked.round), None)
 
-    def _here(self, asked: Round) -> dict[str, Person]:
-        """Who is here, by their names as voters."""
-        return {one.voter(asked.lesson, asked.step, asked.label): one for one in self.persons.values()}
-
-    def _staying(self, asked: Round) -> dict[str, str]:
-        """The network addresses of those who are here and no longer new, by their names as voters."""
-        here = self._here(asked).items()
-        return {name: next(iter(one.tabs)).place for name, one in here if one.key in self._stayed}
+    def _staying(self) -> Counter[str]:
+        """How many are here and no longer new, by network address."""
+        return Counter(next(iter(one.tabs)).place for one in self.persons.values() if one.key in self._stayed)
 
     def _note_who_stays(self) -> None:
         now = time.monotonic()
@@ -292,13 +298,14 @@ class Room:
             self._stayed |= stayed
             self._counted = False
         if (asked := self.asked) is not None:
-            asked.most |= Counter(self._staying(asked).values())
+            asked.most |= self._staying()
 
     def _left_out(self, asked: Round) -> set[str]:
         """The voters that do not count now; none once the answers are revealed, as `_leave_out` has deleted theirs."""
         if self.orders.asked is None or self.orders.asked.revealed:
             return set()
-        return asked.left_out(self._here(asked), self._staying(asked))
+        here = {one.voter(asked.lesson, asked.step, asked.label) for one in self.persons.values()}
+        return asked.left_out(here, self._staying())
 
     def _leave_out(self) -> int:
         """Delete the votes that do not count in a round that ends now, and return how many those are."""
@@ -330,6 +337,12 @@ class Room:
             self.store.judge(asked)
         found = results(asked, self.rounds)
         self._order(asked=msgspec.structs.replace(order, revealed=True, results=found, left_out=left_out))
+
+    def _begin_new_class(self) -> None:
+        """Delete all answers, and let students begin their step again."""
+        self.store.clear()
+        self.rounds, self._numbers = [], {}
+        self._order(**RELEASED, gather=None, reset=self.orders.reset + 1)
 
     def _show(self, browser: Browser, state: p.State) -> None:
         if browser is not self.leader or not (state.once or self.orders.lead):
@@ -422,15 +435,14 @@ class Room:
         if (browser.person is None) != isinstance(message, p.Hello):
             raise p.Rejected("a connection begins with one hello")
         if isinstance(message, p.ORDERS) and not browser.is_lecturer:
-            raise p.Rejected(f"an order of a browser that is not the lecturer: {type(message).__name__}")
+            what = message.what if isinstance(message, p.Order) else type(message).__name__
+            raise p.Rejected(f"an order of a browser that is not the lecturer: {what}")
         person = browser.person
         match message:
             case p.Hello():
                 self._hello(browser, message)
-            case p.Self(name, linked) if person is not None:
-                person.name = name_of(name)
-                self._tell_of(person)
-                self._link(person, linked)
+            case p.Self() if person is not None:
+                self._set_self(person, message)
             case p.At() if person is not None:
                 person.at = message
                 self._tell_of(person)
@@ -457,24 +469,20 @@ class Room:
             case p.Invite(address):
                 address = address or self.address
                 browser.send(p.encode("invite", address=address, qr=_qr_code(address)))
-            case p.Do("export"):
+            case p.Order("export"):
                 browser.send(p.encode("csv", text=await asyncio.to_thread(as_csv, await self._saved(browser))))
-            case p.Do("gain"):
+            case p.Order("gain"):
                 browser.send(p.encode("gain", learned=await asyncio.to_thread(learned, await self._saved(browser))))
-            case p.Do("close"):
+            case p.Order("close"):
                 self._order(asked=None)
-            case p.Do("reset"):
+            case p.Order("reset"):
                 self._order(reset=self.orders.reset + 1)
-            case p.Do("logout"):
-                self._sessions.pop(browser.session or "", None)
-                self._keep_sessions()
-                self._become_student(browser)
-            case p.Do("take"):
+            case p.Order("logout"):
+                self._logout(browser)
+            case p.Order("take"):
                 self._lead(browser)
-            case p.Do("new"):
-                self.store.clear()
-                self.rounds, self._numbers = [], {}
-                self._order(**RELEASED, gather=None, reset=self.orders.reset + 1)
+            case p.Order("new"):
+                self._begin_new_class()
 
     # What goes on by itself
 

@@ -95,11 +95,13 @@ class Round:
         again = f", round {self.times}" if self.times > 1 else ""
         return f"round {self.times}" if self.phase == "own" else f"{self.phase}{again}"
 
-    def left_out(self, here: Container[str], staying: Mapping[str, str]) -> set[str]:
+    def left_out(self, here: Container[str], staying: Counter[str]) -> set[str]:
         """Return the voters that do not count: they have left at once, or more have left than were here at a time.
-        here: the voters who are here, all of whom count; staying: the network address of each who has been here for a
-        while and still is."""
-        room = self.most - Counter(staying.values())
+
+        here: the voters who are here, all of whom count; staying: how many have been here for a while and still are,
+        by network address.
+        """
+        room = self.most - staying
         left_out = set()
         for voter, vote in self.votes.items():
             if voter in here:

@@ -25,6 +25,8 @@ _setting("seed", lambda seed: {"seed": seed}, whole)
 _setting("rectify", lambda on: {"rectify": "auto" if on else "off"}, switch)
 _setting("camera", lambda on: {"sensor": "rendered" if on else "projected"}, switch, camera=lambda model, on: on)
 add_command("duel", lambda model: model.duel.toggle(), moves=True)
+add_command("opponent_transfer", lambda model, one: model.duel.choose(transfer=one), TRANSFER, latest=True, moves=True)
+add_command("opponent_servo", lambda model, one: model.duel.choose(servo=one), SERVO, latest=True, moves=True)
 
 
 @command("disturbance", latest=True, moves=True)
@@ -33,16 +35,6 @@ def change_disturbance(
 ) -> None:
     """Change a disturbance. value: in the units of its slider."""
     model.undoable.change(**{name: AMOUNTS[name].asked(value)})
-
-
-@command("opponent_transfer", latest=True, moves=True)
-def choose_opponent_transfer(model: PageModel, name: Annotated[str, TRANSFER]) -> None:
-    model.duel.choose(transfer=name)
-
-
-@command("opponent_servo", latest=True, moves=True)
-def choose_opponent_servo(model: PageModel, name: Annotated[str, SERVO]) -> None:
-    model.duel.choose(servo=name)
 
 
 @command("joints", latest=True, moves=True)

@@ -11,17 +11,17 @@ from numpy.typing import NDArray
 from viewimit.drawing.export.panels import largest_residual
 from viewimit.drawing.glossary import glossary
 from viewimit.drawing.svg import count_motions, count_points, escape
-from viewimit.loop.settings import given
+from viewimit.loop.settings import Settings, given
 from viewimit.simulation.world import pose_for_hand
 
-from ..model.choices import SPEEDS, Preset, modified, usual
+from ..model.choices import MESSAGE_S, SPEEDS, WARNING_S, Preset, modified, usual
 from ..model.editing import Rehearsal
 from ..model.link import Played, read_link
 from ..model.page_model import PageModel
 from ..model.queue import command, number, one_of
 
-MESSAGE_S, WARNING_S = 6.0, 30.0  # s that a message stays
 FROM_LINK = "From a link"
+NOT_RESTORED = "what this tab has kept cannot be restored, so the session begins again"
 BODIES = ("scene", "robot", "joints", "body_points")  # settings of which a preset's sentence speaks
 SPEED = one_of(SPEEDS, "there is no speed {value}")
 UNSAVED = one_of({"": False, "storage": True}, "there is no problem {value}")
@@ -179,8 +179,7 @@ def restore_session(model: PageModel, kept: str) -> None:
         try:
             page = read_link(kept, model.begun)
         except ValueError as error:
-            why = "what this tab has kept cannot be restored, so the session begins again"
-            raise ValueError(f"{why}: {error}") from None
+            raise ValueError(f"{NOT_RESTORED}: {error}") from None
         model.following.begin(page, partial(become, model), is_own=True)
 
 
@@ -191,19 +190,13 @@ def tell_unsaved(model: PageModel, unsaved: Annotated[bool, UNSAVED]) -> None:
 
 
 def become(model: PageModel, played: Played, now: float) -> None:
-    """Make a page what was played. Undo goes back to the page before a link. Raises ValueError, and changes nothing, if
-    it could not be played."""
+    """Make a page what was played; Undo goes back to before a link. Raises ValueError if it could not be played."""
     page = played.page
     if played.error is not None or not played.sessions:
         why = str(played.error) or type(played.error).__name__
         if not played.is_own:
             raise ValueError(f"the link cannot be followed: {why}")
-        try:  # without its steps, and without camera images, which may be in use by others
-            model.undoable.begin_like(page.last_settings)
-        except ValueError:
-            raise ValueError(f"what this tab has kept cannot be restored, so the session begins again: {why}") from None
-        model.undoable.after_restart()
-        model.say(f"Only the settings of this tab's session are back: {why}.", now + WARNING_S)
+        _begin_with_settings_alone(model, page.last_settings, why, now)
         return
     model.player.pause()
     with nullcontext() if played.is_own else model.past.recording_undo(whole=True):
@@ -229,3 +222,13 @@ def become(model: PageModel, played: Played, now: float) -> None:
             model.motions.load(page.motion)
         except ValueError as error:
             model.say(f"The recorded motion is not back: {error}.", now + WARNING_S)
+
+
+def _begin_with_settings_alone(model: PageModel, settings: Settings, why: str, now: float) -> None:
+    """Begin without the steps of the tab's session, and without camera images, which may be in use by others."""
+    try:
+        model.undoable.begin_like(settings)
+    except ValueError:
+        raise ValueError(f"{NOT_RESTORED}: {why}") from None
+    model.undoable.after_restart()
+    model.say(f"Only the settings of this tab's session are back: {why}.", now + WARNING_S)

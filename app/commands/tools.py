@@ -4,11 +4,11 @@ from typing import Annotated
 
 from viewimit.experiments import EXPERIMENTS
 
+from ..model.choices import MESSAGE_S
 from ..model.motions import MOST_BYTES, NAMES
 from ..model.page_model import PageModel
 from ..model.pictures import FORMATS, PICTURES, save_picture, save_replay
 from ..model.queue import add_command, command, one_of, titled
-from .session import MESSAGE_S
 
 EXPERIMENT = titled(EXPERIMENTS, "experiment")
 MOTION = one_of({title: name for name, title in NAMES.items()}, "there is no motion {value}")

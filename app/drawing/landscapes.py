@@ -49,15 +49,20 @@ def _placed(transfer: str, drawing: str, words: str, box: tuple[float, float, fl
     )
 
 
+def _height(count: int) -> int:
+    """Return the height of this number of transfers in two columns, px."""
+    return ROW * -(-count // 2)
+
+
 def _wrap(inside: str, count: int) -> str:
-    box = f"0 0 {TOTAL} {ROW * -(-count // 2)}"
+    box = f"0 0 {TOTAL} {_height(count)}"
     return f'<div class="vi-panel"><svg class="vi vi-transfers" viewBox="{box}">{inside}</svg></div>'
 
 
 def waiting(words: str) -> str:
     """Draw a sentence instead of the landscapes."""
     count = len(TRANSFERS)
-    return _wrap(svg.text(TOTAL / 2, ROW * -(-count // 2) / 2, words, "vi-2nd vi-mid"), count)
+    return _wrap(svg.text(TOTAL / 2, _height(count) / 2, words, "vi-2nd vi-mid"), count)
 
 
 def describe_landscape(studied: TransferStudy) -> str:
@@ -74,7 +79,8 @@ def draw_basin(scene: Scene, found: Basin) -> str:
     plane = PosturePlane(scene)
     places = plane.place(np.degrees(found.starts))
     waiting = places[len(found.endings) :]
-    parts, marks = [f'<path class="vi-basin-waiting" d="{svg.dots(waiting)}"/>'] if len(waiting) else [], []
+    parts = [f'<path class="vi-basin-waiting" d="{svg.dots(waiting)}"/>'] if len(waiting) else []
+    marks = []
     for place, ending in zip(places, found.endings):
         if ending.place == "elsewhere":
             end = plane.place(np.degrees(ending.end))

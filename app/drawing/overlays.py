@@ -21,9 +21,10 @@ from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.loop.snapshot import Snapshot
 from viewimit.servo.certificate import MAX_STD_PER_PX
-from viewimit.simulation.robot import robot_names
-from viewimit.simulation.scene import Scene, load_robot
+from viewimit.simulation.scene import Scene
 from viewimit.wording import sentences
+
+from ..model.choices import joint_name
 
 
 def link(what: str, name: str, inside: str, stop: bool = True) -> str:
@@ -255,20 +256,10 @@ def _show(key: str) -> str:
 
 # Bars of joints beside the sliders: the learner's posture, and what body points tell about each joint.
 
-JOINT_NAMES = ("Base", "Shoulder", "Upper arm", "Elbow", "Forearm", "Wrist", "Hand")  # of a human arm
 WIDTH, NARROW, HEIGHT, INSET = 150, 74, 22, 8  # px of a posture bar, in one column and in two
 MIN_IN_COLUMNS = 4  # joints that stand in two columns, so that they fit beside the demonstrator's sliders
 POINTS_WIDTH, ROW = 250, 19  # px of the drawing of body points, and per joint
 MAX_NAMED = 3  # joints of which a sentence names all
-
-
-def joint_name(scene: Scene, joint: int) -> str:
-    """What a joint is called, with its symbol: the shipped robots' are those of a human arm, others have their own."""
-    if scene.robot not in robot_names():
-        name = load_robot(scene.robot).joints[joint - 1].name
-    else:
-        name = JOINT_NAMES[joint - 1] if joint <= len(JOINT_NAMES) else "Joint"
-    return f"{name} {svg.joint_symbol(joint)}"
 
 
 def draw_learner(

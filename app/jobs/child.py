@@ -1,6 +1,8 @@
-"""What runs in processes beside the server: camera images, an experiment, a basin of attraction, a PNG. Nothing of
-viser is loaded. One of the second or the third carries out one request (name, settings, options), and sends changes of
-its `Run`."""
+"""What runs in processes beside the server: camera images, an experiment, a basin of attraction, a PNG.
+
+Nothing of viser is loaded. A process for an experiment or a basin carries out one request (name, settings, options),
+and sends changes of its `Run`.
+"""
 
 import io
 import subprocess

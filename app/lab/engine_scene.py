@@ -1,7 +1,6 @@
 """A scene as numbers for the engine in app/lab/engine, to the last digit."""
 
 from collections.abc import Mapping, Sequence
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -10,11 +9,11 @@ from numpy.typing import NDArray
 from viewimit.drawing.svg import joint_symbol
 from viewimit.simulation.appearance import extreme_vertices
 from viewimit.simulation.camera import Camera
-from viewimit.simulation.robot import BodyPoints, link_meshes
+from viewimit.simulation.robot import BodyPoints, Leader, link_meshes
 from viewimit.simulation.scene import Scene
 from viewimit.simulation.world import World
 
-from ..drawing.overlays import joint_name
+from ..model.choices import joint_name
 
 MOVING_JOINTS = 2  # the map of E has as many axes
 HULL_DIGITS = 4  # of m
@@ -56,7 +55,7 @@ def describe_world(world: World, bodies: Mapping[str, BodyPoints]) -> dict[str, 
     free = [k for k, joint in enumerate(chain.joints) if joint.leader is None]
     joints = []
     for k, joint in enumerate(chain.joints):
-        turns = joint.leader or SimpleNamespace(joint=k, multiplier=1.0, offset=0.0)
+        turns = joint.leader or Leader(k, 1.0, 0.0)
         axis = (joint.axis / np.linalg.norm(joint.axis)).tolist()
         led = {"joint": free.index(turns.joint), "multiplier": turns.multiplier, "offset": turns.offset}
         joints.append({"T": _rows(joint.T_parent_joint), "axis": axis, **led})

@@ -12,7 +12,7 @@ from viewimit.simulation.world import World
 from ..presets import LAB_PRESETS, Preset
 from ..ways import Ways, about, header
 from .engine_scene import can_compute, describe_hulls, engine_scene
-from .recording import described
+from .recording import lab_settings
 from .replay import lab_html
 from .space import Shapes, describe_robot, describe_stage
 
@@ -36,7 +36,7 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED, ways: Ways = NO_WA
             postures = [np.radians(used.start_deg), np.radians(used.posture_deg)[used.moving]]
             stage = describe_stage(World(used, min(map(int, used.points))), shapes, postures)
             scenes[key] = {**engine_scene(with_few_points(used)), "stage": stage, "page": page}
-        chosen.append(_described(preset, key, list(scenes[key]["layouts"])))
+        chosen.append(_preset_of_lab(preset, key, list(scenes[key]["layouts"])))
     if scene is not None:
         chosen[0] |= {"title": given.title, "says": "Press Play, and the learner copies the pose of the demonstrator."}
     data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": describe_hulls(given.robot)}
@@ -52,14 +52,14 @@ def _scene_of(preset: Preset, given: Scene) -> Scene:
     return given if preset.settings.scene == SHIPPED else load_scene(preset.settings.scene)
 
 
-def _described(preset: Preset, scene: str, layouts: list[str]) -> dict[str, Any]:
+def _preset_of_lab(preset: Preset, scene: str, layouts: list[str]) -> dict[str, Any]:
     """A preset as app/lab/view/address.js documents it."""
     settings = preset.settings
     return {
         "name": preset.key,
         "title": preset.name,
         "says": preset.says,
-        **described(settings),
+        **lab_settings(settings),
         "scene": scene,
         **({} if settings.start_deg is None else {"start": np.radians(settings.start_deg).tolist()}),
         "points": min(map(int, layouts), key=lambda count: abs(count - settings.points)),

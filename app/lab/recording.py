@@ -90,7 +90,7 @@ def record(session: Session, motions: Sequence[int], chosen: int | None) -> dict
     return {"chosen": chosen, "snapshots": recorded, **tables}
 
 
-def described(settings: Settings) -> dict[str, Any]:
+def lab_settings(settings: Settings) -> dict[str, Any]:
     """Return the settings that the lab has, as its modules name them."""
     same = ("transfer", "servo", "missing", "seed", "points")
     return {**{name: getattr(settings, name) for name in same}, "noisePx": settings.noise_px}
@@ -108,7 +108,7 @@ def describe_method(moment: Snapshot) -> dict[str, Any]:
         "crosses": moment.method.crosses_lines,
         "rectified": moment.rectification is not None,
         "lab": {
-            **described(settings),
+            **lab_settings(settings),
             "transfer": transfer,
             "servo": servo,
             "noisePx": round(settings.noise_px / settings.frames**0.5, 4),

@@ -97,7 +97,7 @@ STYLES = "view/lab.css", "view/ways.css", "challenge/joints.css", "challenge/cha
 
 
 class Replay:
-    """A recorded session as an HTML page, its text; a notebook shows it as the value of a cell."""
+    """A recorded session as an HTML page. A notebook shows it as the value of a cell. html: its text"""
 
     def __init__(self, html: str):
         self.html = html
@@ -207,10 +207,11 @@ def styles(*names: str) -> str:
 
 def _repeated(citation: Citation) -> str:
     """Build the texts that repeat the session, each with a button that copies it."""
-    said = {"As a command": citation.command, "In Python": citation.python}
-    button = '<button type="button" class="copy" aria-label="Copy: {0}">Copy</button>'
-    part = f'<h2>{{0}}</h2>{button}<pre tabindex="0">{{1}}</pre>'
-    parts = (part.format(name, escape(text)) for name, text in said.items() if text is not None)
+    parts = []
+    for name, text in (("As a command", citation.command), ("In Python", citation.python)):
+        if text is not None:
+            button = f'<button type="button" class="copy" aria-label="Copy: {name}">Copy</button>'
+            parts.append(f'<h2>{name}</h2>{button}<pre tabindex="0">{escape(text)}</pre>')
     return "".join(parts) or "<p>It goes on from what cannot be said in a few words.</p>"
 
 

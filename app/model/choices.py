@@ -1,4 +1,4 @@
-"""Checks of what a browser sent: anything may come."""
+"""What a visitor can choose from: presets, disturbances, joints, layouts of points, and how a page shows them."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -9,6 +9,7 @@ from viewimit.loop.settings import FIELDS, Setting, Settings, disturbances, give
 from viewimit.loop.simulated_robot import complete
 from viewimit.sensing.files import file_name
 from viewimit.simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
+from viewimit.simulation.robot import robot_names
 from viewimit.simulation.scene import Scene, load_robot, load_scene
 from viewimit.simulation.scene_writing import scene_text
 
@@ -20,6 +21,7 @@ SPEEDS = {  # motions a second; 0 is as fast as it computes
     "1 in 2 s": 0.5, "1 a second": 1.0, "2 a second": 2.0, "4 a second": 4.0, "10 a second": 10.0, "all it can": 0.0,
 }  # fmt: skip
 NO_POINT = "none"
+MESSAGE_S, WARNING_S = 6.0, 30.0  # s that a message stays
 
 
 def modified(preset: str) -> str:
@@ -72,6 +74,16 @@ AMOUNTS = {amount.name: amount for amount in (*OF_IMAGES, *OF_ARMS)}
 
 MANY_POINTS = 16  # that more joints than the scene's need at least
 WORDS = "none one two three four five six seven eight nine".split()
+JOINT_NAMES = ("Base", "Shoulder", "Upper arm", "Elbow", "Forearm", "Wrist", "Hand")  # of a human arm
+
+
+def joint_name(scene: Scene, joint: int) -> str:
+    """What a joint is called, with its symbol: the shipped robots' are those of a human arm, others have their own."""
+    if scene.robot not in robot_names():
+        name = load_robot(scene.robot).joints[joint - 1].name
+    else:
+        name = JOINT_NAMES[joint - 1] if joint <= len(JOINT_NAMES) else "Joint"
+    return f"{name} {svg.joint_symbol(joint)}"
 
 
 def joint_choices(settings: Settings) -> dict[str, tuple[int, ...] | None]:
@@ -177,7 +189,12 @@ MAX_LAYOUTS = 16
 MAX_TITLE = 200  # characters
 
 
-def described(place: str) -> str:
+def place_in_link(place: str) -> str:
+    """Return how a link names a scene or a robot: a scene file by its content, any other file by its name."""
+    return scene_text_of(place) if place.lower().endswith(".toml") else file_name(place)
+
+
+def scene_text_of(place: str) -> str:
     """Return the content of a scene file, where possible; otherwise its name."""
     try:
         text = scene_text(load_scene(place))

@@ -148,8 +148,7 @@ class Displayed:
     image_snapshot, scene_snapshot: what the four images show, and what all else does; pictures: JPEGs by view, of those
     that were taken; interpolated_theta: (m,) rad, where the arm is shown while it moves, None where it rests; preview:
     what would be seen at another posture, which then is displayed too; playback: a sentence on an imitation that is
-    displayed instead of the session; stage: up to which the chosen point's construction is shown, None for all of
-    it."""
+    displayed instead of the session; stage: up to which the chosen point's construction is shown, None for all."""
 
     session: Session
     present: Snapshot
@@ -233,9 +232,7 @@ class Display:
         self._session, self._player = session, player
         self._on_the_way = OnTheWay()
         self.preview, self.playback = SeeThrough(session), Imitated(session)
-        self.construction_began: float | None = (
-            None  # while the chosen point's is shown step by step; it ends by itself
-        )
+        self.construction_began: float | None = None  # s, while it is shown step by step; it ends by itself
         self._appearance: Appearance | None = None  # made when it is first shown
         self._assessed: tuple[Snapshot, Assessment | None] | None = None  # the last one, which is drawn many times
 

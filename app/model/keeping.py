@@ -1,6 +1,7 @@
 """A page written as a query, for others, for its own tab and for the lab; and what its tab keeps."""
 
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from urllib.parse import urlencode
 
 import msgspec
@@ -15,29 +16,22 @@ from viewimit.loop.script import Script
 from viewimit.loop.session import Session
 from viewimit.loop.settings import DISTURBANCES, Settings
 from viewimit.loop.snapshot import Snapshot
-from viewimit.sensing.files import file_name
 
 from ..lab.recording import lab_methods, lacks
 from ..presets import LAB_PRESETS
-from .choices import PRESETS, SWITCHES, Preset, View, described, usual
+from .choices import PRESETS, SWITCHES, WARNING_S, Preset, View, place_in_link, usual
 from .link import VERSUS
 from .page_model import PageModel, Redraw
 
 MAX_READABLE = 6_000  # characters of a query, above which its script is packed
 FOR_PAGE = 200  # characters that the page's own fields may take
-MESSAGE_STAYS = 30.0  # s
-
-
-def told(place: str) -> str:
-    """Return how a link names a scene or a robot: a scene file by its content, any other file by its name."""
-    return described(place) if place.lower().endswith(".toml") else file_name(place)
 
 
 def share_link(model: PageModel, hides: bool = False) -> str:
     """Return the query that opens what a page shows. hides: no posture can be read in it. Raises ValueError."""
-    script = model.session.script.renamed(told)
+    script = model.session.script.renamed(place_in_link)
     opponent = model.duel.opponent
-    other = None if opponent is None else opponent.script.renamed(told)
+    other = None if opponent is None else opponent.script.renamed(place_in_link)
     return link.joined(_pairs(model, script, other, hides) + _view_pairs(model))
 
 
@@ -45,14 +39,13 @@ def tab_link(model: PageModel) -> tuple[str, str]:
     """Return the query that a page's tab keeps, and why it does not hold all of the page; "" if it does."""
     session, why, extra = model.session, "", list[tuple[str, str]]()
     try:
-        script = session.log.script(session.history[-1].motion).renamed(told)
+        script = session.log.script(session.history[-1].motion).renamed(place_in_link)
     except ValueError as error:
         script, why = _posture_alone(session), str(error)
-    opponent = model.duel.opponent
-    try:
-        other = None if opponent is None or why else opponent.log.script(opponent.history[-1].motion).renamed(told)
-    except ValueError:
-        other = None
+    opponent, other = model.duel.opponent, None
+    if opponent is not None and not why:
+        with suppress(ValueError):
+            other = opponent.log.script(opponent.history[-1].motion).renamed(place_in_link)
     if model.view.dark is not None:
         extra.append(("dark", str(int(model.view.dark))))
     if not model.tour_offered:
@@ -112,15 +105,15 @@ def _view_pairs(model: PageModel) -> list[tuple[str, str]]:
         pairs.append(("speed", f"{model.player.speed:g}"))
     if view.chosen != largest_residual(model.session.snapshot):
         pairs.append(("point", "none" if view.chosen is None else str(view.chosen)))
-    usual = View()
-    return pairs + [(name, str(int(on))) for name in SWITCHES if (on := getattr(view, name)) != getattr(usual, name)]
+    others = [name for name in SWITCHES if getattr(view, name) != getattr(View(), name)]
+    return pairs + [(name, str(int(getattr(view, name)))) for name in others]
 
 
 def _posture_alone(session: Session) -> Script:
     """The script of a session that begins where this one is."""
     now = session.snapshot
     start, demo = to_degrees(now.commanded), to_degrees(now.theta_demo)
-    return Script(msgspec.structs.replace(now.settings, start_deg=start, demonstrator_deg=demo)).renamed(told)
+    return Script(msgspec.structs.replace(now.settings, start_deg=start, demonstrator_deg=demo)).renamed(place_in_link)
 
 
 SEND_EVERY = 1.0  # s, on average
@@ -160,7 +153,7 @@ class Keeper:
         if self._has_changed:
             self._text, why = tab_link(model)
             if why and why != self._why:
-                model.say(f"A reload would not bring all of this back: {why}.", now + MESSAGE_STAYS)
+                model.say(f"A reload would not bring all of this back: {why}.", now + WARNING_S)
             self._why = why
         self._has_changed = self._has_acted = False
         self._send(msgspec.json.encode(Kept(self._text, acted)).decode())
@@ -178,7 +171,7 @@ class Keeper:
 
 # The address at which the lab opens in a session's state, as app/lab/view/address.js reads it.
 
-TOLD = {  # fields that the address carries, or that are told by what they do
+FIELDS_OF_LINK = {  # fields that the address carries, or that are told by what they do
     "scene", "robot", "joints", "body_points", "points", "demonstrator_deg", "start_deg", "transfer", "servo",
     "noise_px", "missing", "seed", "rectify", "sensor",
 }  # fmt: skip
@@ -208,9 +201,9 @@ def lab_address(now: Snapshot) -> str | None:
 def lab_lacks(now: Snapshot) -> list[str]:
     """Say what of a moment the lab's address cannot carry, each in a few words."""
     scene = [] if _presets_of(now) else ["this scene"]
-    usual = Settings.paper()
-    fields = (name for name in usual.__struct_fields__ if name not in TOLD and name not in DISTURBANCES)
-    other = [name.replace("_", " ") for name in fields if getattr(now.settings, name) != getattr(usual, name)]
+    paper = Settings.paper()
+    fields = (name for name in paper.__struct_fields__ if name not in FIELDS_OF_LINK and name not in DISTURBANCES)
+    other = [name.replace("_", " ") for name in fields if getattr(now.settings, name) != getattr(paper, name)]
     lacking = lacks(now.settings, now.method.title, now.servo.title, now.rectification is not None)
     return [*scene, *_own_bodies(now), *lacking, *other]
 

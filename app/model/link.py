@@ -90,8 +90,7 @@ def read_link(query: str, begun: Settings) -> Linked:
         else:
             page[name] = text
     own = {file_name(place): place for place in (begun.scene, begun.robot) if place}
-    if begun.scene.lower().endswith(".toml"):
-        own[choices.described(begun.scene)] = begun.scene
+    own[choices.place_in_link(begun.scene)] = begun.scene
     preset = _preset(page.get("preset"), begun)
     base = choices.usual(preset)
     share = 2 if VERSUS in page else 1

@@ -51,14 +51,15 @@ class Motions:
     @property
     def moment(self) -> tuple[float, float]:
         """The time that is shown, and when the motion ends, s; the time is one of a frame."""
-        frame = 0 if self.shown is None else round(self.shown.frame)
-        last = trajectory.FRAMES - 1 if (known := self._known) is None else len(known.theta_deg) - 1
+        known, frame = self._known, 0 if self.shown is None else round(self.shown.frame)
+        last = trajectory.FRAMES - 1 if known is None else len(known.theta_deg) - 1
         return round(frame * self.step_s, 6), round(last * self.step_s, 6)  # without what multiplication adds
 
     @property
     def step_s(self) -> float:
         """Between two frames of the chosen motion."""
-        return trajectory.STEP_S if (known := self._known) is None else known.step_s
+        known = self._known
+        return trajectory.STEP_S if known is None else known.step_s
 
     @property
     def _known(self) -> trajectory.Motion | None:
@@ -68,9 +69,10 @@ class Motions:
     def describe(self) -> tuple[str, str]:
         """State and sentence, as the line under the scene has them."""
         if self.recorder is not None:
-            waits = "move the demonstrator by its sliders or its hand."
-            return "recording", f"{s:.1f} s of the demonstrator's motion." if (s := self.recorder.seconds) else waits
-        if (played := self._played) is not None:
+            seconds, waits = self.recorder.seconds, "move the demonstrator by its sliders or its hand."
+            return "recording", f"{seconds:.1f} s of the demonstrator's motion." if seconds else waits
+        played = self._played
+        if played is not None:
             now, last = self.moment
             return "replaying", f"{self._title(played.motion)}, {now:.1f} of {last:.1f} s."
         if self.name == RECORDED and self.recorded is not None:
@@ -213,8 +215,7 @@ class Motions:
 
 
 class Recorder:
-    """Postures of the demonstrator as they are sampled, and when, in real time. The motion begins with the first
-    movement. now: any clock, s"""
+    """Sampled postures of the demonstrator, and when, in real time, from the first movement on. now: any clock, s"""
 
     def __init__(self, scene: Scene, theta: NDArray, now: float):
         self._scene = scene

@@ -24,10 +24,15 @@ SPACE = "3-D view"  # as FIGURES
 
 
 class Picture(NamedTuple):
-    """figure: drawn, or what draws it beside the page; citation: None for that of the page's session."""
+    """draw(): beside the page; citation: None for that of the page's session."""
 
-    figure: figures.Figure | Callable[[], figures.Figure]
+    draw: Callable[[], figures.Figure]
     citation: Citation | None = None
+
+    @classmethod
+    def of(cls, figure: figures.Figure, citation: Citation | None = None) -> "Picture":
+        """Return a picture that is drawn already."""
+        return cls(lambda: figure, citation)
 
 
 def save_replay(model: PageModel) -> None:
@@ -37,8 +42,7 @@ def save_replay(model: PageModel) -> None:
 
 
 def save_picture(model: PageModel, now: float) -> None:
-    """Send the visitor a picture of the chosen panel. Raises ValueError for an empty panel, or a PNG that cannot be
-    made here."""
+    """Send a picture of the chosen panel. Raises ValueError for an empty panel, or a PNG that cannot be made here."""
     model.refresh(now)
     what, form, session = model.view.picture, model.view.picture_as, model.session.copy()
     name = f"viewimit-{what.split(' ')[0].lower()}.{form.lower()}"
@@ -50,7 +54,7 @@ def save_picture(model: PageModel, now: float) -> None:
     if form == "PNG" and not figures.can_render():
         raise ValueError(figures.NO_PNG)
     citation = picture.citation or cite(session, model.snapshot.motion)
-    model.send_made("picture", partial(_saved, name, form, picture.figure, citation))
+    model.send_made("picture", partial(_saved, name, form, picture.draw, citation))
 
 
 def lacking() -> str:
@@ -64,8 +68,8 @@ def lacking() -> str:
     return f"{needs}; other pictures, as SVG, need neither"
 
 
-def _saved(name: str, form: str, figure: figures.Figure | Callable[[], figures.Figure], citation: Citation) -> Saved:
-    picture = (figure() if callable(figure) else figure).captioned(citation, DRAWING_CSS)
+def _saved(name: str, form: str, draw: Callable[[], figures.Figure], citation: Citation) -> Saved:
+    picture = draw().captioned(citation, DRAWING_CSS)
     return Saved(name, render(picture) if form == "PNG" else picture.encode())
 
 
@@ -74,28 +78,28 @@ def _images(model: PageModel) -> Picture:
     after = f"after {count_motions(moment.motion)}"
     if model.view.rectified:
         drawn = draw_rectified(moment, model.displayed.arms_in_images[0], True)
-        return Picture(figures.stack([drawn], f"The pictures as seen and as rectified, {after}"))
+        return Picture.of(figures.stack([drawn], f"The pictures as seen and as rectified, {after}"))
     drawn = model.displayed.draw_images(print_size=True)
-    return Picture(figures.four_images(drawn, f"The learner’s four pictures {after}"))
+    return Picture.of(figures.four_images(drawn, f"The learner’s four pictures {after}"))
 
 
 def _landscape(model: PageModel) -> Picture:
     if model.comparison.html is not None:
-        return Picture(figures.stack([model.comparison.html], "E over the poses of the learner, by all transfers"))
+        return Picture.of(figures.stack([model.comparison.html], "E over the poses of the learner, by all transfers"))
     if model.landscape.made is None:
         raise ValueError("the landscape is not there yet")
     picture, session = model.landscape.made.picture, model.session
     path, over = picture.draw_path(session.history, session.cursor), f"over {count_motions(session.cursor)}"
     is_map = len(session.scene.moving_joints) == 2
     title = "E over the poses of the learner, and its path" if is_map else "Joint error per pixel of noise,"
-    return Picture(figures.overlay([picture.html, path], f"{title} {over}"))
+    return Picture.of(figures.overlay([picture.html, path], f"{title} {over}"))
 
 
 def _curves(model: PageModel) -> Picture:
     session, made = model.session, model.landscape.made
     E_true, joints = None if made is None else made.E_true, session.scene.moving_joints
     drawn = draw_curves(session.history, session.cursor, E_true, joints, errors_deg=model.displayed.errors_deg)
-    return Picture(figures.stack([drawn], f"Conflict E and joint angles over {count_motions(session.cursor)}"))
+    return Picture.of(figures.stack([drawn], f"Conflict E and joint angles over {count_motions(session.cursor)}"))
 
 
 def _equations(model: PageModel) -> Picture:
@@ -116,7 +120,7 @@ def _duel(model: PageModel) -> Picture:
     figure = figures.overlay([model.duel_landscapes.html, race], title)
     if len(scene.moving_joints) == 2:
         figure = figures.append_below(figure, draw_errors_alone(standings))
-    return Picture(figure, cited)
+    return Picture.of(figure, cited)
 
 
 def _experiment(model: PageModel) -> Picture:
@@ -128,7 +132,7 @@ def _experiment(model: PageModel) -> Picture:
         [figures.ClaimRow(one.name, one.paper, one.here, one.tolerance, one.holds) for one in run.claims]
     )
     cited = cite_experiment(run.name, asked.settings, asked.options.get("motion"))
-    return Picture(figures.append_below(figure, text), cited)
+    return Picture.of(figures.append_below(figure, text), cited)
 
 
 FIGURES: Mapping[str, Callable[[PageModel], Picture]] = {

@@ -17,9 +17,9 @@ from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.scene_writing import saved_scene
 from viewimit.simulation.world import World
 
+from .choices import MAX_POINTS
 from .queue import RunInBackground, Send
 
-MOST_POINTS = 64
 Lay = Callable[[tuple[BodyPoint, ...]], None]
 DIGITS = 4  # of a metre
 HEADING = "Body points by hand, from viewimit's page: use it by --scene, or edit it"
@@ -67,16 +67,18 @@ class PointEditing:
 
     def let_go(self) -> bool:
         """Of a proposal, or else of editing. Whether there was one of them."""
-        proposed, was_on, self._made = self.proposal is not None, self.on, None
-        self.begun = self.begun and (proposed or not was_on)
-        return proposed or was_on
+        if self.proposal is None and self.on:
+            self.begun = False
+            return True
+        there, self._made = self.proposal is not None, None
+        return there
 
     def place(self, link: int, local: tuple[float, float, float]) -> None:
         """Another point, (3,) m in the frame of a link, 0 = base. Raises ValueError."""
         self._require_on()
         points = self._points()
-        if len(points) >= MOST_POINTS:
-            raise ValueError(f"there are {MOST_POINTS} points already: remove one first")
+        if len(points) >= MAX_POINTS:
+            raise ValueError(f"there are {MAX_POINTS} points already: remove one first")
         x, y, z = (round(value, DIGITS) for value in local)
         self._lay((*points, (link, x, y, z)))
 

@@ -23,8 +23,7 @@ class Entry:
     in words for the visitor. moves: it moves, poses or observes, which takes long with camera images;
     order_independent: it may be applied before or after any other entry; cancels: it ends the computation that others
     wait for; coalesce_key: of entries with the same key the newest is enough, None: each counts; sender: the control
-    that it came from; camera(model): whether it will ask for camera images; is_made: by a worker, not by the
-    visitor."""
+    that it came from; camera(model): whether it will ask for camera images; is_made: by a worker."""
 
     apply: Callable[[Any, float], None]
     moves: bool = False
@@ -222,8 +221,7 @@ def _refusal(why: str, sender: Hashable) -> Entry:
 
 
 class Worker:
-    """Makes in one thread, beside the pages, what takes a moment. Of a kind a page's newest request counts, and pages
-    take turns."""
+    """Makes what takes a moment, in one thread. Of a kind a page's newest request counts, and pages take turns."""
 
     def __init__(self):
         self._requests: dict[tuple[CommandQueue, str], tuple] = {}

@@ -13,7 +13,7 @@ from viewimit.simulation.world import World
 
 from ..commands import COMMANDS
 from ..jobs.camera_images import CameraLost, RemoteEyes
-from ..model.choices import WINDOW, Message
+from ..model.choices import MESSAGE_S, WINDOW, Message
 from ..model.keeping import Keeper
 from ..model.page_model import PageModel, Redraw
 from ..model.player import BUDGET
@@ -29,7 +29,6 @@ PANELS_EVERY = 0.1  # s
 LEAVES_WITHIN = 3.0  # s that a turn may take to its end when its page is gone
 SEND_EVERY = 1.0  # s at least until a file is sent again: a second click does not send it twice
 BESIDE = 0.2  # s a turn beside the scheduler for motions as fast as it computes
-MESSAGE_STAYS = 6.0  # s
 MOST_A_PASS = 0.01  # s of a tick of 50 ms in which one more command of a page begins: the other pages wait meanwhile
 
 
@@ -227,14 +226,14 @@ class CommandLoop:
                 self._model.player.seen_from(now, self._asked_at)
         except CameraLost as lost:
             self._model.undoable.leave_pictures()
-            self._model.refuse(f"{lost}: back to projected points.", now + MESSAGE_STAYS)
+            self._model.refuse(f"{lost}: back to projected points.", now + MESSAGE_S)
 
     def _apply(self, entry: Entry, now: float) -> None:
         """Carry out one command; one that cannot be is said, and the others go on."""
         try:
             entry.apply(self._model, now)
         except ValueError as refusal:
-            self._model.refuse(str(refusal), now + MESSAGE_STAYS)
+            self._model.refuse(str(refusal), now + MESSAGE_S)
             return
         if not entry.is_made:
             self._model.inputs += 1

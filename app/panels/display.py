@@ -107,8 +107,7 @@ def still(layout: Layout, model: PageModel) -> None:
 
 
 def views(layout: Layout, model: PageModel) -> None:
-    """The tabs of a window that is too small for all at once: layout.css shows the one that is chosen, without the
-    server."""
+    """The tabs of a window that is too small for all at once: layout.css shows the chosen one."""
     tabs = "".join(
         f'<input type="radio" name="vi-view" id="vi-view-{name}"{" checked" if name == "images" else ""}>'
         f'<label for="vi-view-{name}"><svg viewBox="0 0 24 24" aria-hidden="true">{ICONS[name]}</svg>{label}</label>'

@@ -43,9 +43,10 @@ def experiments(layout: Layout, model: PageModel) -> None:
         with layout.row():
             progress = layout.gui.add_html(draw_progress(None, ""))
             look = lambda model: SEE if model.displayed.playback is None else STOP
-            has = lambda what: lambda model: bool(getattr(model.experiments.shown, what, None))
-            layout.button(look, "imitation", visible=has("imitation"))
-            layout.button(("Download figure and data", Icon.DOWNLOAD), "download", enabled=has("archive"))
+            imitated = lambda model: model.experiments.shown is not None and bool(model.experiments.shown.imitation)
+            archived = lambda model: model.experiments.shown is not None and bool(model.experiments.shown.archive)
+            layout.button(look, "imitation", visible=imitated)
+            layout.button(("Download figure and data", Icon.DOWNLOAD), "download", enabled=archived)
         layout.html(lambda model: POINTS_ONLY if model.settings.sensor == "rendered" else "")
         figure, claims = layout.gui.add_html(""), layout.gui.add_html("")
         layout.gui.add_html(asks(("Q", "bias", "basin")))
@@ -79,14 +80,18 @@ def draw_progress(run: Run | None, chosen: str) -> str:
 
 
 def _words(run: Run, percent: int) -> str:
-    said = {
-        "waiting": "waiting for its turn",
-        "running": f"{percent} %",
-        "writing": "writing the files …",
-        "done": f"done: {verdict(run.claims)}" if verdict(run.claims) else f"done in {run.seconds:.0f} s",
-        "cancelled": f"cancelled at {percent} %",
-    }
-    return said.get(run.state) or f"failed: {with_minus(run.problem)}"
+    match run.state:
+        case "waiting":
+            return "waiting for its turn"
+        case "running":
+            return f"{percent} %"
+        case "writing":
+            return "writing the files …"
+        case "done":
+            return f"done: {verdict(run.claims)}" if verdict(run.claims) else f"done in {run.seconds:.0f} s"
+        case "cancelled":
+            return f"cancelled at {percent} %"
+    return f"failed: {with_minus(run.problem)}"
 
 
 def draw_verdict(run: Run | None) -> str:

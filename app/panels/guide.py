@@ -1,9 +1,9 @@
-"""The keys of the page, some of them named at the bottom of the left panel; H opens the help: what the page shows, in
-reading order."""
+"""The keys of the page, some of them named at the bottom of the left panel; H opens the help: what the page shows."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
+from string import Template
 from typing import Any
 from urllib.parse import quote
 
@@ -22,7 +22,7 @@ from ..model.keeping import lab_address, lab_lacks, share_link
 from ..model.page_model import PageModel
 from ..static import STATIC
 from ..ways import Ways, about, header
-from .panel import SLOWEST, STATE, Layout, put_html
+from .panel import SLOWEST, Layout, key_of_link, put_html
 
 
 @dataclass(frozen=True)
@@ -102,8 +102,7 @@ LAST = 1e9  # in the order of a column
 
 
 def lessons(layout: Layout, model: PageModel) -> None:
-    """The page's name with Share and Help, the ways to lab and lessons in the present state, and the offer of the
-    tour."""
+    """The page's name with Share and Help, the ways to lab and lessons in the present state, and the tour's offer."""
     head, offer, offered = layout.gui.add_html(""), layout.gui.add_html("", order=LAST), not _offered(model)
     small = layout.gui.add_html("")
 
@@ -115,13 +114,12 @@ def lessons(layout: Layout, model: PageModel) -> None:
         put_html(offer, draw_offer(model, layout.info.lessons))
 
     # the way back is updated now and then, as that takes time; the offer is removed at once
-    key = lambda model: (model.player.last > 0, *STATE(model))
+    key = lambda model: (model.player.last > 0, *key_of_link(model))
     layout.drawing(key, draw, lambda model: REWRITTEN_EVERY if _offered(model) == offered else 0.0)
 
 
 def glossary(layout: Layout, model: PageModel) -> None:
-    """The glossary's cards, unseen until a "?" opens one, and what its numbers are now. Which card is open is the
-    browser's own matter."""
+    """The glossary's cards, unseen until a "?" opens one in the browser, and what its numbers are now."""
     layout.gui.add_html(f'<div class="vi-words">{linked_cards()}</div>')
     values = layout.gui.add_html("")
     draw = lambda model: put_html(values, current_values(numbers_now(model)))
@@ -135,19 +133,18 @@ def _offered(model: PageModel) -> bool:
 
 def draw_head(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
     """The page's name and two buttons, at every size; the ways to other pages, and what this one is for."""
-    head = _head(next(iter(lessons), None))
-    return head.replace("{play}", escape(_lab_of(model))).replace("{back}", way_back(model))
+    return _head(next(iter(lessons), None)).substitute(play=escape(_lab_of(model)), back=way_back(model))
 
 
 @cache
-def _head(lesson: str | None) -> str:
-    """The head, which has {play} and {back} for what depends on a page's state."""
+def _head(lesson: str | None) -> Template:
+    """The head, which has $play and $back for what depends on a page's state."""
     shown = "".join(
         button(f"{what}/0", words, f'<span class="vi-head-button">{words}</span>')
         for what, words in (("share", "Share"), ("help", "Help"))
     )
-    ways = Ways("{play}", lesson and f"lab/{lesson}{{back}}", workbench="./")
-    return (
+    ways = Ways("$play", lesson and f"lab/{lesson}$back", workbench="./")
+    return Template(
         f'<div class="vi-title"><b role="heading" aria-level="1">viewimit</b><nav aria-label="Page">{shown}</nav></div>'
         f'<div class="vi-purpose">{header(ways, "workbench", with_about=False)}<p>{PURPOSE}</p></div>'
     )

@@ -12,23 +12,26 @@ Nothing is sent when nothing changes.
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
-from operator import attrgetter
 from typing import Any, NamedTuple
 
 from viser import ClientHandle, IconName
 
-from ..drawing.overlays import joint_name
 from ..lab.lessons.format import Lesson
+from ..model.choices import joint_name
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue
 from ..viser_private import push_input, push_property
 
 SLOW, SLOWEST = 0.2, 0.5  # s between two drawings of curves and of numbers, which nobody reads faster
-STATE = attrgetter("tour_offered", "snapshot", "view", "player.speed", "preset.name")  # that a link to a page holds
-Read = Callable[[PageModel], Any]  # such as attrgetter("view.rays")
+Read = Callable[[PageModel], Any]  # such as lambda model: model.view.rays
 Shown = bool | Callable[[PageModel], bool]
 Period = float | Callable[[PageModel], float]
 Look = tuple[str, IconName | None]  # a button's label and icon
+
+
+def key_of_link(model: PageModel) -> tuple:
+    """Return what a link to a page holds."""
+    return model.tour_offered, model.snapshot, model.view, model.player.speed, model.preset.name
 
 
 class ClientInfo(NamedTuple):

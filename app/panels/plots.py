@@ -1,8 +1,6 @@
-"""The four images, and the plots below: E over the postures with the learner's path, or of all transfers; curves;
-equations; a duel."""
+"""The images, and the plots: E over postures with the learner's path, or of all transfers; curves; equations; duel."""
 
 from functools import partial
-from operator import attrgetter
 from typing import Any
 
 from viser import Icon
@@ -79,7 +77,8 @@ def landscape(layout: Layout, model: PageModel) -> None:
         with layout.row(quiet=True):
             layout.button(lambda model: ALONE if _compares(model) else COMPARE, "compare")
             layout.button(_starts_look, "starts", hint=STARTS)
-            looks, offered = attrgetter("view.look_only"), lambda model: model.view.details or model.view.look_only
+            looks = lambda model: model.view.look_only
+            offered = lambda model: model.view.details or model.view.look_only
             layout.checkbox("Preview the pose", looks, "switch", "look_only", hint=LOOK_ONLY, visible=offered)
 
         def show_own(shown: bool) -> None:
@@ -87,32 +86,41 @@ def landscape(layout: Layout, model: PageModel) -> None:
                 put_properties(over, visible=shown)
 
         layout.bind(lambda model: not _compares(model), show_own)
-        drawn: MadeLandscape | None = None
-
-        def path_key(model: PageModel) -> tuple:
-            on_its_way = model.displayed.interpolated_theta
-            theta = model.snapshot.theta if on_its_way is None else on_its_way
-            return model.landscape.made, model.snapshot, theta.tobytes()
-
-        def draw_path(model: PageModel) -> None:
-            nonlocal drawn
-            drawn, session = model.landscape.made, model.session
-            if drawn is not None:
-                put_html(ground, drawn.picture.html)
-                on_its_way = model.displayed.interpolated_theta
-                put_html(path, drawn.picture.draw_path(session.history, session.cursor, on_its_way))
-
-        # at once, as the images, while the arm moves or after a new landscape
-        at_once = lambda model: model.displayed.interpolated_theta is not None or model.landscape.made is not drawn
-        layout.drawing(path_key, draw_path, lambda model: 0.0 if at_once(model) else SLOW)
+        own_path = OwnPath(ground, path)
+        layout.drawing(own_path.key, own_path.draw, own_path.period)
 
         def draw_preview(model: PageModel) -> None:
             moment = model.displayed.preview
             put_html(preview, "" if moment is None else overlays.draw_see_through(model.session.scene, moment))
 
-        layout.drawing(attrgetter("displayed.preview", "generation"), draw_preview)
+        layout.drawing(lambda model: (model.displayed.preview, model.generation), draw_preview)
         draw_links = lambda model: put_html(links, overlays.posture_field(model.session.scene))
         layout.drawing(lambda model: (model.generation,), draw_links)
+
+
+class OwnPath:
+    """The landscape of the session's own transfer, and the learner's path on it."""
+
+    def __init__(self, ground: Any, path: Any):
+        self._ground, self._path = ground, path
+        self._drawn: MadeLandscape | None = None
+
+    def key(self, model: PageModel) -> tuple:
+        on_its_way = model.displayed.interpolated_theta
+        theta = model.snapshot.theta if on_its_way is None else on_its_way
+        return model.landscape.made, model.snapshot, theta.tobytes()
+
+    def period(self, model: PageModel) -> float:
+        """Return 0 s, as for the images, while the arm moves or after a new landscape; else the period of plots."""
+        at_once = model.displayed.interpolated_theta is not None or model.landscape.made is not self._drawn
+        return 0.0 if at_once else SLOW
+
+    def draw(self, model: PageModel) -> None:
+        self._drawn, session = model.landscape.made, model.session
+        if self._drawn is not None:
+            put_html(self._ground, self._drawn.picture.html)
+            on_its_way = model.displayed.interpolated_theta
+            put_html(self._path, self._drawn.picture.draw_path(session.history, session.cursor, on_its_way))
 
 
 def _compares(model: PageModel) -> bool:
@@ -146,7 +154,7 @@ def equations(layout: Layout, model: PageModel) -> None:
     with layout.tab("Equations"):
         shown = layout.gui.add_html("")
         layout.gui.add_html(overlays.asks(("lambda", "rho", "D")))
-        key = attrgetter("displayed.snapshot", "view.chosen")
+        key = lambda model: (model.displayed.snapshot, model.view.chosen)
         layout.drawing(key, lambda model: put_html(shown, draw_equations(*key(model))), period=SLOWEST)
 
 

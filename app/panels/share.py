@@ -1,8 +1,6 @@
-"""What a visitor takes away: a replay, pictures, and a link to what the page shows, with its QR code and the code that
-repeats it."""
+"""What a visitor takes away: a replay, pictures, and a link to what the page shows, its QR code, and its code."""
 
 import html
-from operator import attrgetter
 
 import segno
 from viser import Icon
@@ -11,11 +9,12 @@ from viewimit.loop.codegen import as_command, as_python
 from viewimit.sensing.files import file_name
 from viewimit.wording import listed
 
-from ..model.keeping import lab_address, lab_lacks, share_link, told
+from ..model.choices import place_in_link
+from ..model.keeping import lab_address, lab_lacks, share_link
 from ..model.link import files_named
 from ..model.page_model import PageModel
 from ..model.pictures import FORMATS, PICTURES, lacking
-from .panel import SLOWEST, STATE, Layout
+from .panel import SLOWEST, Layout, key_of_link
 
 REPLAY = "all steps as one file that any browser opens, without a server"
 PICTURE = "at print size, in colours of print, with the caption that makes it citable; S"
@@ -31,8 +30,8 @@ def save(layout: Layout, model: PageModel) -> None:
     gui = layout.gui
     with layout.folder("Save"):
         layout.button(("Save replay", Icon.MOVIE), "save_replay", hint=REPLAY)
-        layout.dropdown("Picture", PICTURES, attrgetter("view.picture"), "picture")
-        layout.dropdown("As", FORMATS, attrgetter("view.picture_as"), "picture_format")
+        layout.dropdown("Picture", PICTURES, lambda model: model.view.picture, "picture")
+        layout.dropdown("As", FORMATS, lambda model: model.view.picture_as, "picture_format")
         layout.button(("Save picture", Icon.PHOTO_DOWN), "save_picture", hint=PICTURE)
         if why := lacking():
             gui.add_html(f'<div class="vi-why">{html.escape(why)}</div>')
@@ -42,7 +41,7 @@ def share(layout: Layout, model: PageModel) -> None:
     """The card with a link."""
     origin = layout.info.public_url or layout.info.origin
     content = lambda model: share_html(model, origin, is_local=layout.info.public_url is None)
-    layout.modal("What this page shows, for others", "share", content, STATE, SLOWEST)
+    layout.modal("What this page shows, for others", "share", content, key_of_link, SLOWEST)
 
 
 def share_html(model: PageModel, origin: str | None, is_local: bool = False) -> str:
@@ -52,7 +51,7 @@ def share_html(model: PageModel, origin: str | None, is_local: bool = False) -> 
     try:
         address = f"{origin or ''}/?{share_link(model, hides=not model.view.truth)}"
         parts.append(_copied("A link that opens this very state", address))
-        if files := html.escape(listed(files_named(model.session.script.renamed(told)))):
+        if files := html.escape(listed(files_named(model.session.script.renamed(place_in_link)))):
             only = f"It opens only on a server that was started with {files}: no link can hold these files."
             parts.append(f'<p class="vi-2nd">{only}</p>')
         if origin is not None:

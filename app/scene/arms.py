@@ -104,8 +104,7 @@ class Arm:
 
 
 class Arms:
-    """Those of one page in one world. share(robot, arm): puts its meshes on the server's scene, before they are first
-    shown."""
+    """Those of one page in one world. share(robot, arm): puts meshes on the server's scene, before they are shown."""
 
     def __init__(self, client: ClientHandle, nodes: Nodes, world: World, share: Callable[[str, str], None]):
         self._share_opponent = partial(share, world.scene.robot, "opponent")

@@ -1,7 +1,6 @@
 """The fixtures of the 3-D scene: light, floor, pedestals, the head, its frusta with their image plates, names."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from viser import ClientHandle, ImageHandle, MeshHandle, SceneApi
@@ -13,7 +12,7 @@ from viewimit.simulation.camera import Camera
 from viewimit.simulation.world import World
 
 from .. import viser_private
-from .nodes import UNLIT, Nodes, add_text, in_px, linear, quaternion
+from .nodes import NO_SHADOWS, Nodes, add_text, in_px, linear, quaternion
 
 BEHIND = 0.002  # m, a picture's distance from its plate
 CELLS, PIECE = 10, 5  # of the floor on either side, and points of its lines from one to the next that are drawn
@@ -38,13 +37,10 @@ def add_floor(scene: SceneApi, world: World, dark: bool, shadows: bool) -> None:
     colours = strength * geometry.LOOKS[dark].sections + (1 - strength) * PAPER[dark]
     pieces = lambda of: np.stack([of[:, :-1:PIECE], of[:, PIECE::PIECE]], -2).reshape(-1, 2, 3)
     scene.add_line_segments("/floor", pieces(lines).astype(np.float32), linear(pieces(colours)), **in_px(1.0))
-    invisible: dict[str, Any] = {
-        "cell_thickness": 0.0,
-        "section_thickness": 0.0,
-        "shadow_opacity": 0.10,
-        "fade_distance": 9.0 * size,
-    }
-    scene.add_grid("/floor/shadows", 12 * size, 12 * size, visible=shadows, **invisible)
+    scene.add_grid(  # without lines: what shadows fall on
+        "/floor/shadows", 12 * size, 12 * size, visible=shadows, shadow_opacity=0.10,
+        cell_thickness=0.0, section_thickness=0.0, fade_distance=9.0 * size,
+    )  # fmt: skip
 
 
 class Fixtures:
@@ -57,9 +53,9 @@ class Fixtures:
         self._pictures: dict[str, ImageHandle] = {}  # on the plates
         self._shown: dict[str, bytes | None] = {}  # what they show
         for solid in geometry.solids(world):
-            place: dict[str, Any] = {"position": solid.position, "wxyz": quaternion(solid.turn)}
-            add, colour = client.scene.add_mesh_simple, getattr(self._look, solid.colour)
-            nodes.keep(add(f"/stage/{solid.name}", solid.vertices, solid.faces, color=colour, **place))
+            add, colour, turn = client.scene.add_mesh_simple, getattr(self._look, solid.colour), quaternion(solid.turn)
+            name, place = f"/stage/{solid.name}", solid.position
+            nodes.keep(add(name, solid.vertices, solid.faces, color=colour, position=place, wxyz=turn))
         for label in geometry.labels(world):
             node, line = f"/stage/{label.name}", geometry.LINE * self._size
             nodes.keep(add_text(client.scene, node, label.text, label.role, dark, label.position, line))
@@ -79,12 +75,12 @@ class Fixtures:
                     viser_private.push_jpeg(self._pictures[view], picture)
 
     def _add_frustum(self, name: str, camera: Camera, role: str) -> None:
-        plate = geometry.on_plate(camera, geometry.corners(camera), self._size)
+        sheet = geometry.sheet(geometry.on_plate(camera, geometry.corners(camera), self._size))
         lines = geometry.frustum(camera, self._size).astype(np.float32)
         scene, keep = self._client.scene, self._nodes.keep
         keep(scene.add_line_segments(f"/stage/frustum_{name}", lines, rgb(role, self._dark), **in_px(1.6)))
-        shown: dict[str, Any] = {"color": self._look.plate, "opacity": 0.55, **UNLIT}
-        self._plates[name] = keep(scene.add_mesh_simple(f"/stage/plate_{name}", *geometry.sheet(plate), **shown))
+        node = scene.add_mesh_simple(f"/stage/plate_{name}", *sheet, color=self._look.plate, opacity=0.55, **NO_SHADOWS)
+        self._plates[name] = keep(node)
 
     def _add_picture(self, view: str, camera: Camera) -> None:
         """As large as the plate and just behind it, so that drawings on the plate stay in sight; hidden."""
@@ -93,6 +89,6 @@ class Fixtures:
         middle = plate.mean(0) + self._size * BEHIND * T[:3, 2]
         picture = self._client.scene.add_image(
             f"/stage/picture_{view}", np.zeros((1, 1, 3), np.uint8), camera.width * scale[0], camera.height * scale[1],
-            format="jpeg", wxyz=quaternion(T[:3, :3]), position=middle, visible=False, **UNLIT,
+            format="jpeg", wxyz=quaternion(T[:3, :3]), position=middle, visible=False, **NO_SHADOWS,
         )  # fmt: skip
         self._pictures[view] = self._nodes.keep(picture)

@@ -47,8 +47,10 @@ class Moment:
         add_dots = partial(scene.add_point_cloud, point_shape="circle", point_shading="flat", precision="float32")
         self._dots = nodes.keep(add_dots("/now/dots", dots, colours, point_size=0.009 * size))
         placed = np.tile([1.0, 0, 0, 0], (count, 1)), np.zeros((count, 3))
-        shown: dict[str, Any] = {"batched_colors": linear(colour("recovered")), "cast_shadow": False, "lod": "off"}
-        diamonds = scene.add_batched_meshes_simple("/now/recovered", *octahedron(0.02 * size), *placed, **shown)
+        diamonds = scene.add_batched_meshes_simple(
+            "/now/recovered", *octahedron(0.02 * size), *placed,
+            batched_colors=linear(colour("recovered")), cast_shadow=False, lod="off",
+        )  # fmt: skip
         self._recovered = nodes.keep(diamonds)
         ring = partial(scene.add_icosphere, radius=0.017 * size, color=colour("chosen"), cast_shadow=False)
         self._rings = [nodes.keep(ring(f"/now/chosen_{arm}", visible=False)) for arm in ALWAYS_SEEN]

@@ -13,7 +13,7 @@ from viser.transforms import SO3
 from viewimit.drawing.theme import rgb
 from viewimit.simulation.scene_geometry import default_view
 
-UNLIT: dict[str, Any] = {"cast_shadow": False, "receive_shadow": False}
+NO_SHADOWS: dict[str, Any] = {"cast_shadow": False, "receive_shadow": False}
 Node = TypeVar("Node", bound=SceneNodeHandle)
 
 
@@ -47,7 +47,7 @@ def quaternion(rotation: NDArray) -> tuple[float, float, float, float]:
 
 
 def in_px(thickness: float) -> dict[str, Any]:
-    """Of lines."""
+    """Return the options of lines that are as thick at any distance."""
     return {"thickness": thickness, "thickness_units": "screen"}
 
 
@@ -72,7 +72,7 @@ def add_text(
     middle; line: m, the height of a line."""
     picture, turn = lettering(text, rgb(TEXT_ROLES[role], dark)), quaternion(default_view())
     width = line * picture.shape[1] / picture.shape[0]
-    return scene.add_image(node, picture, width, line, format="png", wxyz=turn, position=position, **UNLIT)
+    return scene.add_image(node, picture, width, line, format="png", wxyz=turn, position=position, **NO_SHADOWS)
 
 
 @lru_cache(64)

@@ -3,7 +3,6 @@
 import math
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -130,11 +129,11 @@ class Scene3D:
     def _add_point(self, arm: str, i: int) -> None:
         body, scene, size = self._world.body, self._client.scene, self._world.scene.size * geometry.POINT_SIZE[arm]
         name = f"{link_name(self._world.scene, arm, int(body.link[i]))}/p{i}"
-        shown: dict[str, Any] = {"color": rgb(arm, self._dark), "position": body.local[i], "cast_shadow": False}
+        colour, at, keep = rgb(arm, self._dark), body.local[i], self._nodes.keep
         if arm == "learner":
-            self._nodes.keep(scene.add_icosphere(name, size / 2, subdivisions=2, **shown))
+            keep(scene.add_icosphere(name, size / 2, colour, subdivisions=2, position=at, cast_shadow=False))
         else:
-            self._nodes.keep(scene.add_mesh_simple(name, *geometry.octahedron(size), **shown))
+            keep(scene.add_mesh_simple(name, *geometry.octahedron(size), color=colour, position=at, cast_shadow=False))
 
     def _take_click(self, origin: NDArray, direction: NDArray) -> None:
         """Choose the point at this ray, on either arm; while points are edited, one that nothing hides, or place

@@ -11,8 +11,8 @@ from .limits import TokenBucket, in_a_line
 
 TICK = 0.05  # s: poses are drawn at 20 Hz
 SPARE = 0.01  # s of a tick in which nothing more is drawn: poses go first
-PATIENCE = 0.5  # s after which a page is drawn all the same,
-LATE_DRAWINGS = TICK  # as long as these take less of a round, s
+# In a round that is late, a page that waited for PATIENCE s is drawn as long as such drawings take < LATE_DRAWINGS s.
+PATIENCE, LATE_DRAWINGS = 0.5, TICK
 FAST = 0.4  # of a tick: for sessions that run as fast as they compute
 LEAST_FAST = 0.001  # s: one motion of each, in a round that is late
 BEAT = 1.0  # s
@@ -26,7 +26,7 @@ class Scheduler:
     def __init__(self, heartbeat: Callable[[], None] = lambda: None):
         self._heartbeat = heartbeat
         self._drawn_at: dict[Page, float] = {}  # s
-        self._late_s = 0.0  # that drawings of this round took, which is late
+        self._late_s = 0.0  # s, what drawings have taken of a round that is late
         self._faults = TokenBucket(1, 1)  # in the log
         self._task: concurrent.futures.Future | None = None
         self._running = False

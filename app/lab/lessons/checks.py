@@ -45,6 +45,7 @@ def measure_table() -> Mapping[str, Mapping[str, str]]:
     return parse_toml(HERE.joinpath("measures.toml").read_bytes())
 
 
+@cache
 def measure_units() -> Mapping[str, str]:
     """Return the unit of each measure."""
     return {**measure_table()["browser"], **measure_table()["library"]}

@@ -104,8 +104,10 @@ def _followed(world: World, frozen: Snapshot, run: Trajectory) -> Followed:
     demo = _links(world, run.theta_demo, world.T_world_demo, world.demo_pair)[:, :, -1]
     target = frozen.transfer.recover(demo[:, 0], demo[:, 1]).reshape(-1, 2, 2)
     off = lambda place: np.linalg.norm(own[:, :, -1] - place, axis=-1).mean(-1)
-    sides = _from_side(world, run.theta), _from_side(world, run.theta_demo)
-    return Followed(frozen, run, off(target), off(truth[:, :, -1]), *sides)
+    return Followed(
+        frozen, run, overlap_px=off(target), truth_px=off(truth[:, :, -1]),
+        side=_from_side(world, run.theta), demo_side=_from_side(world, run.theta_demo),
+    )  # fmt: skip
 
 
 def _links(world: World, postures: Array, T_world_base: Array, pair: Cameras) -> Array:

@@ -20,7 +20,7 @@ from ..page import NO_WAYS, SHIPPED, served_page, served_scenes, with_few_points
 from ..replay import bundle, packed, styles, with_policy
 from .format import Lesson
 from .source import ORDER, questions, shipped
-from .step_data import TOLD, Scenes, items_with_facts, lesson_data, situation_of
+from .step_data import COPIED_FIELDS, Scenes, items_with_facts, lesson_data, situation_of
 
 HERE = Path(__file__).parent
 ENTRY = "lessons/lesson.js"
@@ -29,15 +29,15 @@ STYLE_FILES = (
     "lessons/figures/limits.css", "challenge/joints.css",
 )  # fmt: skip
 Lessons: TypeAlias = Mapping[str, Lesson]
-Lab: TypeAlias = tuple[str, str | None]  # scene and robot, as settings name them
-NONE: Lessons = MappingProxyType({})
-USUAL: Lab = SHIPPED, None
+LabScene: TypeAlias = tuple[str, str | None]  # scene and robot, as settings name them
+NO_LESSONS: Lessons = MappingProxyType({})
+SHIPPED_LAB: LabScene = SHIPPED, None
 MAX_BYTES = 800_000  # of a page with one lesson
 
 
 def lesson_page(
-    lessons: Lessons, entry: str = ENTRY, more_styles: str = "", others: Lessons = NONE, lab: Lab = USUAL,
-    ways: Ways = NO_WAYS,
+    lessons: Lessons, entry: str = ENTRY, more_styles: str = "", others: Lessons = NO_LESSONS,
+    lab: LabScene = SHIPPED_LAB, ways: Ways = NO_WAYS,
 ) -> str:  # fmt: skip
     """Return lessons, by name in their order, as one HTML page. entry: the module that runs, a path in app/lab/;
     more_styles: CSS after the page's own; others: lessons that are served beside this page, to which it then has links
@@ -59,14 +59,14 @@ def lesson_page(
     return with_policy(page)
 
 
-def page_data(lessons: Lessons, others: Lessons = NONE, lab: Lab = USUAL) -> dict[str, Any]:
+def page_data(lessons: Lessons, others: Lessons = NO_LESSONS, lab: LabScene = SHIPPED_LAB) -> dict[str, Any]:
     """Return what the page's script reads: hulls, scenes, glossary, catalogue and lessons."""
     scenes, plain = Scenes(), []
     for name, lesson in lessons.items():
         asked = items_with_facts(questions().item) if lesson.questions else None
         plain.append({**lesson_data(name, lesson, scenes), "questions": asked})
     catalogue = [
-        {"name": name, "here": name in lessons, **{key: getattr(lesson, key) for key in TOLD}}
+        {"name": name, "here": name in lessons, **{key: getattr(lesson, key) for key in COPIED_FIELDS}}
         for name, lesson in {**others, **lessons}.items()
     ]
     return {
@@ -78,7 +78,7 @@ def page_data(lessons: Lessons, others: Lessons = NONE, lab: Lab = USUAL) -> dic
     }
 
 
-def _with_links(scene: dict[str, Any], lab: Lab) -> dict[str, Any]:
+def _with_links(scene: dict[str, Any], lab: LabScene) -> dict[str, Any]:
     """The scene with the lab's preset and viewimit's name for it; None where they have no such scene."""
     plain = {name: field for name, field in scene.items() if name != "page"}
     page = scene["page"]

@@ -151,8 +151,7 @@ def costs(situation: Situation) -> Array:
 
 
 def shown_px(situation: Situation, joint: int, by_arrows: bool) -> float:
-    """How far a degree of a joint moves the arrows, or the own images, at the demonstrator's posture: px, root mean
-    square over points and images."""
+    """How far a degree of a joint moves the arrows, or the own images, at the demonstrator: px, root mean square."""
     J = np.radians(1) * jacobian(situation, by_arrows)[:, joint]
     return float(np.sqrt(2 * np.mean(J**2)))
 

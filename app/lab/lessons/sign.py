@@ -89,9 +89,9 @@ def points_text(world: World, seen: int) -> str:
     """How many points lie on which part of the arm, the parts being those that the moving joints turn."""
     first, second = world.scene.moving_joints
     link = world.body.link
-    names = "base", "upper arm", "forearm and hand"
-    counts = np.bincount(np.searchsorted((first, second), link, side="right"), minlength=3).tolist()
-    listed = ", ".join(f"{name} {count}" for name, count in zip(names, counts) if count)
+    upper = (link >= first) & (link < second)
+    parts = {"base": link < first, "upper arm": upper, "forearm and hand": link >= second}
+    listed = ", ".join(f"{name} {part.sum()}" for name, part in parts.items() if part.any())
     return f"{seen}: {listed}"
 
 

@@ -58,8 +58,7 @@ def own(paths: Iterable[Path]) -> dict[str, Lesson]:
 
 
 def find(given: str) -> tuple[str, Lesson]:
-    """Return name and lesson of what a command was given: a shipped one by name, or a file. Raises ValueError for
-    neither."""
+    """Return name and lesson of what a command was given: a shipped one by name, or a file. Raises ValueError."""
     if given in ORDER:
         return given, shipped()[given]
     path = Path(given)

@@ -17,7 +17,7 @@ import viewimit
 
 from ..engine_scene import engine_scene
 from ..page import with_few_points
-from ..recording import described
+from ..recording import lab_settings
 from . import facts
 from .format import Do, Item, Lesson, Slider, Step, figures_of, measures_in, measures_of, settings_of
 from .records import sample_postures
@@ -28,7 +28,7 @@ EYE_SLIDERS = ("distance", "camera distance", "baseline")
 LOGARITHMIC_VALUES = 25  # of a slider that moves the eyes, besides 1 and 10
 SAMPLE_SEED = 44
 SAMPLES = 12  # states that are sampled of a step
-TOLD = "title", "short", "about", "afterwards", "minutes"  # fields of a lesson that a page has as they are
+COPIED_FIELDS = "title", "short", "about", "afterwards", "minutes"  # fields of a lesson that a page has as they are
 Scenes = dict[str, dict[str, Any]]
 
 
@@ -51,13 +51,13 @@ def _origin(lesson: Lesson, step: Step) -> Step:
 
 def lesson_data(name: str, lesson: Lesson, scenes: Scenes) -> dict[str, Any]:
     """Return a lesson as the page has it, without the eight questions. Its scenes are added to `scenes`."""
-    told = {key: getattr(lesson, key) for key in TOLD}
+    copied = {key: getattr(lesson, key) for key in COPIED_FIELDS}
     steps = []
     for step in lesson.step:
         own_scenes, computed = step_data(lesson, step)
         scenes.update(own_scenes)
         steps.append({**msgspec.to_builtins(step), **computed})
-    return {"name": name, **told, "steps": steps}
+    return {"name": name, **copied, "steps": steps}
 
 
 def step_data(lesson: Lesson, step: Step) -> tuple[Scenes, dict[str, Any]]:
@@ -129,7 +129,7 @@ def _of_situation(step: Step, situation: Situation, scenes: Scenes) -> dict[str,
     settings, start = situation.settings, situation.start
     state = {
         "scene": _add_scene(situation, scenes),
-        **described(settings),
+        **lab_settings(settings),
         "demonstrator": start.theta_demo.tolist(),
         "start": start.theta.tolist(),
     }
@@ -156,16 +156,16 @@ def values_of(slider: Slider) -> list[float]:
     return sorted({round(value, 6) for value in (*values, *marks)})
 
 
-def _moved_cameras(situation: Situation, slider: str, times: float) -> list[dict[str, Any]]:
+def _moved_cameras(situation: Situation, slider: str, value: float) -> list[dict[str, Any]]:
     """The cameras after a slider has moved the eyes. "camera distance" moves cameras away from what they look at, and
     multiplies their focal lengths by the same factor; each pair moves by itself, which no head does."""
     if slider != "camera distance":
-        return engine_scene(situation.with_eyes(**{slider: times}).scene)["cameras"]
+        return engine_scene(situation.with_eyes(**{slider: value}).scene)["cameras"]
     scene, cameras = situation.scene, engine_scene(situation.scene)["cameras"]
     gazes = np.array([scene.head.gaze_demonstrator] * 2 + [scene.head.gaze_learner] * 2)
     for camera, gaze in zip(cameras, gazes):
-        camera["centre"] = (gaze + times * (np.array(camera["centre"]) - gaze)).tolist()
-        camera["focal"] = [times * focal for focal in camera["focal"]]
+        camera["centre"] = (gaze + value * (np.array(camera["centre"]) - gaze)).tolist()
+        camera["focal"] = [value * focal for focal in camera["focal"]]
     return cameras
 
 

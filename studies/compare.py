@@ -1,6 +1,8 @@
 """The study `compare`: all servo laws from the same draws. Those that descend once begin again by `Restarts`.
 
-python studies/compare.py bench compare --csv docs/comparison.csv
+Run it with
+
+    python studies/compare.py bench compare --csv docs/comparison.csv
 """
 
 import sys

@@ -506,13 +506,14 @@ def damaged(folder):
     return sorted(folder.glob("*.sqlite"))
 
 
-def test_a_damaged_or_foreign_file_ends_in_a_sentence_and_stays_as_it_is(tmp_path):
+def test_a_damaged_or_foreign_file_ends_in_a_sentence_and_stays_as_it_is(tmp_path, ask, monkeypatch):
+    monkeypatch.setenv("VIEWIMIT_LECTURER", CODE)
     files = damaged(tmp_path)
     assert len(files) == 9
     for path in files:
         before = path.read_bytes()
-        done = subprocess.run([*CLASS, "--data", str(path)], capture_output=True, text=True, env=WITH_CODE)
-        assert done.returncode == 2 and str(path) in done.stderr and "Traceback" not in done.stderr, done.stderr
+        status, _, told = ask("class", "--port", 0, "--data", path)
+        assert status == 2 and str(path) in told and "Traceback" not in told, told
         assert path.read_bytes() == before, path.name
 
 

@@ -1,6 +1,7 @@
 """One run, one verdict: each preset of the lab in every front end that can compute it."""
 
 import contextlib
+import functools
 import io
 
 import msgspec
@@ -35,9 +36,10 @@ PRESETS = {preset.key: preset for preset in LAB_PRESETS if preset.key not in ("p
 # One crawls on for thousands of steps, the other has a body that the library's scene has not
 
 
-def run_of(preset):
-    session = Session(preset.settings)
-    return session, session.run(MOTIONS)
+@functools.cache
+def run_of(name, motions=MOTIONS):
+    session = Session(PRESETS[name].settings)
+    return session, session.run(motions)
 
 
 def in_python(session, ended):
@@ -80,7 +82,7 @@ def opened(browser, tmp_path_factory):
 
 @pytest.mark.parametrize("name", PRESETS)
 def test_every_front_end_says_the_same_of_a_run(opened, name):
-    session, ended = run_of(PRESETS[name])
+    session, ended = run_of(name)
     expected = verdict(ended.status).label, verdict(ended.status).dot
     opened.locator("#preset").select_option(name)
     *shown, status = opened.evaluate(PLAYED, MOTIONS)
@@ -109,10 +111,10 @@ def test_lessons_and_a_class_say_the_same_of_a_run(browser, entry):
     page.route("**/*", lambda route: route.fulfill(content_type="text/html", body=html))
     page.goto("http://lessons.test/")
     page.wait_for_function("() => globalThis.lesson")
-    for name, preset in PRESETS.items():
+    for name in PRESETS:
         if name == "retuned":  # rests after more steps than a lesson plays
             continue
-        run = Session(preset.settings).run(MAX_MOTIONS)
+        _, run = run_of(name, MAX_MOTIONS)
         expected = verdict(run.status)
         sentence = expected.sentence(run.motions, run.last.E, int(run.last.usable.sum()))
         assert page.evaluate(RACED, name) == [expected.label, expected.dot, sentence], name

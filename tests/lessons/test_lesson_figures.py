@@ -59,7 +59,7 @@ def test_every_figure_layer_and_measure_that_lessons_name_is_there():
 
 
 @pytest.mark.browser
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("size", ["phone", pytest.param("laptop", marks=pytest.mark.slow)])
 def test_no_name_covers_another_before_or_after_the_answer(opened, size):
     page, faults = opened("ray", "shadow", size), []
     for name, lesson in shipped().items():

@@ -109,7 +109,9 @@ def test_a_session_goes_on_after_its_server_was_killed_and_at_another_one(browse
     assert second.stop() == 0
 
 
-@pytest.mark.parametrize("script", [FORBIDDEN, FULL], ids=["forbidden", "full"])
+@pytest.mark.parametrize(
+    "script", [pytest.param(FORBIDDEN, id="forbidden"), pytest.param(FULL, id="full", marks=pytest.mark.slow)]
+)
 def test_without_storage_a_short_session_is_in_the_address_and_a_long_one_is_said_to_be_lost(browser, server, script):
     with opened(browser, server, script) as page:
         step(page, 2)

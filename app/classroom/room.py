@@ -179,10 +179,10 @@ class Room:
         if self.persons.get(person.key) is person:
             self._changed.add(person)
 
-    def _set_self(self, person: Person, told: p.Self) -> None:
-        person.name = name_of(told.name)
+    def _set_self(self, person: Person, message: p.Self) -> None:
+        person.name = name_of(message.name)
         self._tell_of(person)
-        self._link(person, told.linked)
+        self._link(person, message.linked)
 
     def _new_number(self) -> int:
         taken = {*self._numbers.values(), *(one.number for one in self.persons.values())}

@@ -190,7 +190,7 @@ def tell_unsaved(model: PageModel, unsaved: Annotated[bool, UNSAVED]) -> None:
 
 
 def become(model: PageModel, played: Played, now: float) -> None:
-    """Make a page what was played; Undo goes back to before a link. Raises ValueError if it could not be played."""
+    """Show on a page what a link gave; Undo goes back to before it. Raises ValueError if it could not be played."""
     page = played.page
     if played.error is not None or not played.sessions:
         why = str(played.error) or type(played.error).__name__

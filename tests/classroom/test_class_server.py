@@ -512,8 +512,8 @@ def test_a_damaged_or_foreign_file_ends_in_a_sentence_and_stays_as_it_is(tmp_pat
     assert len(files) == 9
     for path in files:
         before = path.read_bytes()
-        status, _, told = ask("class", "--port", 0, "--data", path)
-        assert status == 2 and str(path) in told and "Traceback" not in told, told
+        status, _, stderr = ask("class", "--port", 0, "--data", path)
+        assert status == 2 and str(path) in stderr and "Traceback" not in stderr, stderr
         assert path.read_bytes() == before, path.name
 
 

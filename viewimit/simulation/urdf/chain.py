@@ -68,7 +68,7 @@ def find_arm(tree: Tree, base: str | None = None, tip: str | None = None) -> Cha
 
 
 def _equal_tips(arm: tuple[TreeJoint, ...], arms: Iterable[tuple[TreeJoint, ...]]) -> tuple[str, ...]:
-    """Last links of the other arms with as many joints and, but for rounding, the same length."""
+    """Last links of the other arms with as many joints and the same length, rounding aside."""
     ends = [each[-1].child for each in map(_up_to_last_revolute, arms) if each and _is_as_long(each, arm)]
     return tuple(dict.fromkeys(link for link in ends if link != arm[-1].child))
 

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterable, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,7 @@ def _with_shares(found: dict[str, Any]) -> Any:
     return Share(**found) if found.keys() == Share.__dataclass_fields__.keys() else found
 
 
+@cache
 def compared() -> dict[tuple[str, str], Summary]:
     """Return the comparison of all servo laws, by case and law."""
     return {(cell.case, cell.servo): cell for cell in summarise(read_runs(COMPARISON), {})}

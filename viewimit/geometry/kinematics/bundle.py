@@ -86,7 +86,7 @@ def jacobian(model: Any, residuals_of: Residuals, residuals: NDArray[np.float64]
     parameters = model.parameters + FD_STEP * np.eye(P + 3, P)
     points = model.points + FD_STEP * np.eye(P + 3, 3, -P)[:, None, :]
     stepped = replace(model, parameters=parameters, points=points)
-    return np.nan_to_num((residuals_of(stepped) - residuals) / FD_STEP)
+    return np.nan_to_num((residuals_of(stepped) - residuals) / FD_STEP, copy=False)
 
 
 def _linearised(
@@ -99,15 +99,15 @@ def _linearised(
     g = J[:P].reshape(P, -1) @ residuals.ravel() + prior * found.parameters
     h = np.einsum("akni,kni->na", J[P:], residuals)
     diag_A, diag_C = np.diag(A), np.einsum("naa->na", C)
+    rows = B.transpose(0, 2, 1).reshape(-1, P)
 
     def damped_step(damping: float) -> Model:
         raised = damping * diag_C + REGULARISATION * diag_C.sum(1, keepdims=True) + np.finfo(float).tiny
         inverse = np.linalg.inv(C + raised[..., None] * np.eye(3))
-        BC = B @ inverse
-        reduced = A + np.diag(damping * diag_A + REGULARISATION * diag_A.mean())
-        reduced = reduced - np.tensordot(BC, B, ([0, 2], [0, 2]))
-        step = np.linalg.solve(reduced, np.tensordot(BC, h, ([0, 2], [0, 1])) - g)
-        points = found.points - np.einsum("nab,nb->na", inverse, h + np.tensordot(B, step, ([1], [0])))
+        BC = (B @ inverse).transpose(1, 0, 2).reshape(P, -1)
+        reduced = A + np.diag(damping * diag_A + REGULARISATION * diag_A.mean()) - BC @ rows
+        step = np.linalg.solve(reduced, BC @ h.ravel() - g)
+        points = found.points - np.einsum("nab,nb->na", inverse, h + (rows @ step).reshape(-1, 3))
         return replace(found, parameters=found.parameters + step, points=points)
 
     return damped_step
@@ -120,7 +120,7 @@ def normal_equations(
 
     A is summed over points: BLAS would start threads for one large product, which takes longer than all small ones.
     """
-    P, by_point = n_parameters, np.moveaxis(J, 2, 0).reshape(J.shape[2], len(J), -1)
+    P, by_point = n_parameters, J.transpose(2, 0, 1, 3).reshape(J.shape[2], len(J), -1)
     products = by_point @ by_point.swapaxes(1, 2)
     return products[:, :P, :P].sum(0), products[:, :P, P:], products[:, P:, P:]
 

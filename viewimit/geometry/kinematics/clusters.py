@@ -59,14 +59,14 @@ class LinkClusters:
     ) -> NDArray[np.float64]:
         """Move and project the points.
 
-        motions: (..., B, m, 4, 4), of each joint; points: (..., N, 3); projection: (c + 1, 4) → (..., B, N, c).
+        motions: (..., B, m, 4, 4), of each joint; points: (..., N, 3); projection: (c + 1, 4), or (..., 1, c + 1, 4)
+        → (..., B, N, c).
         """
-        found = np.empty((*motions.shape[:-3], points.shape[-2], len(projection) - 1))
+        moved = np.empty((*motions.shape[:-3], points.shape[-2], projection.shape[-2]))
         homogeneous = np.concatenate([points, np.ones((*points.shape[:-1], 1))], -1)[..., None, :, :]
         for members, transform in zip(self.points, chain_transforms(motions, self.joints, projection)):
-            moved = homogeneous[..., members, :] @ transform.swapaxes(-1, -2)
-            found[..., members, :] = moved[..., :-1] / np.maximum(moved[..., -1:], MIN_DENOMINATOR)
-        return found
+            moved[..., members, :] = homogeneous[..., members, :] @ transform.swapaxes(-1, -2)
+        return moved[..., :-1] / np.maximum(moved[..., -1:], MIN_DENOMINATOR)
 
 
 @lru_cache(maxsize=64)  # each step of an adjustment asks for the same clusters
@@ -83,7 +83,7 @@ def chain_transforms(
 ) -> list[NDArray[np.float64]]:
     """Multiply the motions along each chain of joints, the projection first.
 
-    motions: (..., B, m, 4, 4); projection: (c, 4) → for each chain (..., B, c, 4), for an empty one (c, 4).
+    motions: (..., B, m, 4, 4); projection: (c, 4) → for each chain (..., B, c, 4), for an empty one the projection.
     """
     products: dict[tuple[int, ...], NDArray[np.float64]] = {(): projection}
     for joints in chains:

@@ -50,7 +50,7 @@ class StereoFrame:
         scale = np.maximum(scale / np.sqrt(len(images)), MIN_SCALE_PX)
         return cls(mean, scale[:3, None] * axes[:3], float(scale[3]))
 
-    @property
+    @cached_property
     def unit_px(self) -> NDArray[np.float64]:
         """(3,) px: length of one unit of each coordinate in the images."""
         return np.linalg.norm(self.axes, axis=1)
@@ -68,7 +68,7 @@ class StereoFrame:
 def twist_matrices(twists: NDArray[np.float64]) -> NDArray[np.float64]:
     """Angular velocity ω and velocity v, (..., 6) → [[ω]× v; 0 0], (..., 4, 4)."""
     S = np.zeros((*twists.shape[:-1], 4, 4))
-    x, y, z = np.moveaxis(twists[..., :3], -1, 0)
+    x, y, z = twists[..., 0], twists[..., 1], twists[..., 2]
     S[..., 0, 1], S[..., 0, 2], S[..., 1, 2] = -z, y, -x
     S[..., 1, 0], S[..., 2, 0], S[..., 2, 1] = z, -y, x
     S[..., :3, 3] = twists[..., 3:]
@@ -78,8 +78,10 @@ def twist_matrices(twists: NDArray[np.float64]) -> NDArray[np.float64]:
 def generator_powers(G: NDArray[np.float64], rate: NDArray[np.float64]) -> NDArray[np.float64]:
     """I, G, G²/w² and G³/w³, of which `exponentials` are sums. G: (..., 4, 4); rate: w, (...) → (..., 4, 4, 4)."""
     w = np.maximum(rate, MIN_RATE)[..., None, None]
-    squared = G @ G / w**2
-    return np.stack([np.broadcast_to(np.eye(4), G.shape), G, squared, squared @ G / w], -3)
+    powers = np.empty((*G.shape[:-2], 4, 4, 4))
+    powers[..., 0, :, :], powers[..., 1, :, :], powers[..., 2, :, :] = np.eye(4), G, G @ G / w**2
+    powers[..., 3, :, :] = powers[..., 2, :, :] @ G / w
+    return powers
 
 
 def exponentials(
@@ -183,25 +185,32 @@ class ProjectiveKinematics:
     def _generators(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """`generator_powers` of each joint, (..., m, 4, 4, 4), and its rate |ω|, (..., m)."""
         twists = self.parameters[..., N_FRAME:].reshape(*self.parameters.shape[:-1], -1, 6)
-        A, rate = self.metric_upgrade[..., None, :, :], np.sqrt((twists[..., :3] ** 2).sum(-1))
-        return generator_powers(np.linalg.inv(A) @ twist_matrices(twists) @ A, rate), rate
+        A, back = self.metric_upgrade[..., None, :, :], self.metric_downgrade[..., None, :, :]
+        rate = np.sqrt((twists[..., :3] ** 2).sum(-1))
+        return generator_powers(back @ twist_matrices(twists) @ A, rate), rate
 
     @property
     def rates(self) -> NDArray[np.float64]:
         """By how many rad each joint turns for a unit of its displacement, (..., m): 1 if that is in rad."""
         return self._generators[1]
 
-    @property
+    @cached_property
     def metric_upgrade(self) -> NDArray[np.float64]:
         """A, (..., 4, 4): from the projective frame to a metric one."""
         return frame_matrices(self.parameters[..., :N_FRAME])
+
+    @cached_property
+    def metric_downgrade(self) -> NDArray[np.float64]:
+        """A⁻¹, (..., 4, 4): from the metric frame to the projective one."""
+        return np.linalg.inv(self.metric_upgrade)
 
 
 def frame_matrices(frame: NDArray[np.float64]) -> NDArray[np.float64]:
     """A, (..., 4, 4), of the frame parameters (..., N_FRAME)."""
     A = np.zeros((*frame.shape[:-1], 4, 4))
-    A[..., [0, 1], [0, 1]] = np.exp(np.clip(frame[..., :2], -MAX_LOG_SCALE, MAX_LOG_SCALE))
-    A[..., 0, 1], A[..., 0, 2], A[..., 1, 2] = np.moveaxis(frame[..., 2:5], -1, 0)
+    scales = np.exp(np.clip(frame[..., :2], -MAX_LOG_SCALE, MAX_LOG_SCALE))
+    A[..., 0, 0], A[..., 1, 1] = scales[..., 0], scales[..., 1]
+    A[..., 0, 1], A[..., 0, 2], A[..., 1, 2] = frame[..., 2], frame[..., 3], frame[..., 4]
     A[..., 2, 2] = A[..., 3, 3] = 1.0
     A[..., 3, :3] = frame[..., PLANE]
     return A

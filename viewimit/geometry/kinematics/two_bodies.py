@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from ..rectification import MIN_DENOMINATOR
 from .adjustment import BundleAdjustment
 from .bundle import Residuals, jacobian, levenberg_marquardt, normal_equations
-from .clusters import Observations, chain_transforms
+from .clusters import Observations
 from .model import MAX_LOG_SCALE, MIN_RATE, N_FRAME, ProjectiveKinematics, frame_matrices, twist_matrices
 
 Array = NDArray[np.float64]
@@ -139,8 +139,8 @@ class BodyPair:
         """Shifts of the joints (..., m, 3) or none, of the points (..., n, 3), and the demonstrator's frame or none."""
         sizes = self.difference.sizes(self.n_joints)
         at = self.parameters.shape[-1] - sum(sizes)
-        shifts, points, frame = np.split(self.parameters[..., at:], np.cumsum(sizes)[:2], -1)
-        lead = self.parameters.shape[:-1]
+        lead, free = self.parameters.shape[:-1], self.parameters[..., at:]
+        shifts, points, frame = np.split(free, [sizes[0], sizes[0] + sizes[1]], -1)
         return shifts.reshape(*lead, sizes[0] // 3, 3), points.reshape(*lead, sizes[1] // 3, 3), frame
 
     @property
@@ -152,7 +152,7 @@ class BodyPair:
         """Coordinates (..., Q, N, 3) of the demonstrator in the stereo frame."""
         body, A = self.body, self.body.metric_upgrade
         shifts, offsets, frame = self._differing
-        back = np.linalg.inv(A)
+        back = body.metric_downgrade
         map_ = (np.linalg.inv(frame_matrices(frame)) if self.difference.other_head else back) @ self._similarity @ A
         motions, points = body.motions(self.angles), self.points
         if self.difference.shifted:
@@ -164,14 +164,7 @@ class BodyPair:
             metric = metric_points(A, np.broadcast_to(points, (*A.shape[:-2], *points.shape[-2:])))
             metric[..., list(self.difference.points), :] += offsets
             points = metric_points(back, metric)
-        homogeneous = np.concatenate([points, np.ones((*points.shape[:-1], 1))], -1)[..., None, :, :]
-        found = np.empty((*self.angles.shape[:-1], *points.shape[-2:]))
-        clusters = body.clusters
-        transforms = chain_transforms(motions, clusters.joints, map_[..., None, :, :])
-        for members, transform in zip(clusters.points, transforms):
-            moved = homogeneous[..., members, :] @ transform.swapaxes(-1, -2)
-            found[..., members, :] = moved[..., :-1] / np.maximum(moved[..., -1:], MIN_DENOMINATOR)
-        return found
+        return body.clusters.project(motions, points, map_[..., None, :, :])
 
     @property
     def _similarity(self) -> Array:
@@ -191,6 +184,7 @@ class PairAdjustment:
 
     own: BundleAdjustment  # of the own visits
     images: Array  # (Q, N, 4) px: of the demonstrator in [l, r], rectified, 0 where not visible
+    coordinates: Array  # (Q, N, 3): of them in the kinematics' frame
     visible: NDArray[np.bool_]  # (Q, N, 2): which of its points are visible in each image
     magnification: Array  # (Q, N, 2): of their noise by the rectification
     weight: float = 1.0  # of their residuals: noise of the own images over the noise of these
@@ -209,9 +203,10 @@ class PairAdjustment:
         visible = np.isfinite(demo[..., ::2]) & ~kinematics.unknown[:, None]
         images, by = np.nan_to_num(demo), kinematics.rectification
         enlarged = np.ones(visible.shape) if by is None else by.magnification(images)
-        return cls(own, images if by is None else by.apply(images), visible, enlarged, weight)
+        images = images if by is None else by.apply(images)
+        return cls(own, images, kinematics.frame.coordinates(images), visible, enlarged, weight)
 
-    @property
+    @cached_property
     def visible_in_both(self) -> NDArray[np.bool_]:
         """(Q, N)."""
         return np.asarray(self.visible.all(-1))
@@ -230,11 +225,16 @@ class PairAdjustment:
         one image alone shows has the two coordinates of that image.
         """
         frame, coordinates = pair.kinematics.frame, pair.demonstrator()
-        difference = (coordinates - frame.coordinates(self.images)) * (frame.unit_px / self._of_both)
+        difference = (coordinates - self.coordinates) * (frame.unit_px / self._of_both)
         theirs = np.where(self.visible_in_both[..., None], difference, 0.0)
-        if (self.visible.any(-1) != self.visible_in_both).any():
+        if self._any_alone:
             theirs = theirs + self._partial_residuals(coordinates @ frame.axes + frame.mean)
         return np.concatenate([self.own.residuals(pair.body), self.weight * theirs], -3)
+
+    @cached_property
+    def _any_alone(self) -> bool:
+        """Whether there is a point that one image alone shows."""
+        return bool((self.visible.any(-1) != self.visible_in_both).any())
 
     @cached_property
     def _of_both(self) -> Array:
@@ -305,7 +305,9 @@ def covariance_of(model: Any, residuals_of: Residuals, prior: Array) -> Array:
 def rotations(vectors: Array) -> Array:
     """Rotation matrices (..., 3, 3) of rotation vectors (..., 3) rad, by Rodrigues' formula."""
     angle = np.maximum(np.sqrt((vectors**2).sum(-1)), np.finfo(float).tiny)[..., None, None]
-    K = twist_matrices(np.concatenate([vectors, np.zeros_like(vectors)], -1))[..., :3, :3]
+    K, (x, y, z) = np.zeros((*vectors.shape, 3)), (vectors[..., k] for k in range(3))
+    K[..., 0, 1], K[..., 0, 2], K[..., 1, 2] = -z, y, -x
+    K[..., 1, 0], K[..., 2, 0], K[..., 2, 1] = z, -y, x
     return np.eye(3) + np.sinc(angle / np.pi) * K + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * (K @ K)
 
 

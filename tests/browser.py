@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 ELSEWHERE = ("/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",)
 OFF = (
     "WebUIOmniboxPopup",  # the address bar's lists, which nobody sees: each window would have a process for them
@@ -51,10 +51,10 @@ def install() -> str | None:
     if as_root is not None and shutil.which("apt-get"):
         quiet = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
         _try([*as_root, "apt-get", "update"], quiet)
-        _try([*as_root, "apt-get", "install", "-y", "--no-install-recommends", "chromium"], quiet)
-        found = find()
-        if found:
-            return found
+        for package in ("chromium-headless-shell", "chromium"):  # the first has no windows, and costs less
+            _try([*as_root, "apt-get", "install", "-y", "--no-install-recommends", package], quiet)
+            if found := find():
+                return found
     _try([sys.executable, "-m", "playwright", "install", "chromium"], dict(os.environ))
     return find()
 

@@ -185,7 +185,7 @@ def pytest_terminal_summary(terminalreporter):
             terminalreporter.write_line("VIEWIMIT_REQUIRE_BROWSER=1, but no browser test ran", red=True)
 
 
-@pytest.fixture(params=["Firefox", "Chromium"])
+@pytest.fixture(params=[pytest.param("Firefox", marks=pytest.mark.slow), "Chromium"])
 def window(request):
     """A window of 1440x900 px, once in each browser, in which nothing may go wrong."""
     import windows

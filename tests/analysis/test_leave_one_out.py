@@ -64,8 +64,8 @@ def held_out(seen, elsewhere, by):
     return float(np.sqrt(np.square(fitted.residual(elsewhere)).sum(-1).mean() / 2))
 
 
-RIGS = [(12, 5.0), (20, 5.0)]
-MORE_RIGS = [(12, 20.0), (20, 2.0), (20, 20.0), (40, 2.0), (40, 5.0), (40, 20.0)]
+RIGS = [(12, 5.0)]
+MORE_RIGS = [(20, 5.0), (12, 20.0), (20, 2.0), (20, 20.0), (40, 2.0), (40, 5.0), (40, 20.0)]
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from browsing import private_windows
+from browsing import private_windows, sparing
 from viewimit.app.lab.article.page import FIGURES, TURNED
 from waiting import wait_until
 
@@ -43,7 +43,7 @@ def opened(browser, path):
     """Opens the figures in windows of their own, which must ask nobody and have no fault."""
 
     def open_(width=900, height=900, **options):
-        page = page_of(browser.new_context(viewport={"width": width, "height": height}, **options))
+        page = page_of(sparing(browser.new_context(viewport={"width": width, "height": height}, **options)))
         page.goto(path.as_uri())
         page.evaluate(BEGIN_ALL)
         return page

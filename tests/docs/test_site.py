@@ -10,6 +10,7 @@ from pathlib import Path
 from urllib.parse import parse_qsl
 
 import pytest
+from browsing import sparing
 from viewimit.app.cli import docs, site
 from viewimit.app.lab.article.page import FIGURES
 from viewimit.app.presets import LAB_PRESETS
@@ -70,7 +71,7 @@ def a_visitor_walks(browser, folder):
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     begin = f"http://127.0.0.1:{server.server_port}/x/"
-    page = browser.new_context(viewport={"width": 390, "height": 800}).new_page()
+    page = sparing(browser.new_context(viewport={"width": 390, "height": 800})).new_page()
     asked, faults = [], []
     page.on("request", lambda request: asked.append(request.url))
     page.on("pageerror", lambda error: faults.append(str(error)))

@@ -142,7 +142,7 @@ def test_rounding_is_noise_that_pictures_at_rest_do_not_show_and_that_more_of_th
     assert mixed.observer.image_noise_std(mixed.settings) == pytest.approx(2 / np.sqrt(frames), rel=0.25)
 
 
-@pytest.mark.parametrize("noise_px", [0.0, 0.2])
+@pytest.mark.parametrize("noise_px", [pytest.param(0.0, marks=pytest.mark.slow), 0.2])
 def test_whole_pixels_are_believed_and_the_learner_arrives_as_near_as_they_tell(noise_px):
     """A point that does not move is rounded alike at each visit: taken for independent noise, claims are false."""
     for seed in range(2):

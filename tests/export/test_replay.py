@@ -8,6 +8,7 @@ import zlib
 import msgspec
 import numpy as np
 import pytest
+from browsing import sparing
 from PIL import Image
 from viewimit.app.lab.recording import MAP_DEG, PX, RAD, SHARE
 from waiting import wait_until
@@ -126,7 +127,7 @@ def opened(browser, tmp_path):
     def open_(replay, address="", width=1280, height=720, before=None, **options):
         path = tmp_path / "run.html"
         assert replay.save(path) == path.stat().st_size
-        page = browser.new_page(viewport={"width": width, "height": height}, color_scheme="light", **options)
+        page = sparing(browser.new_page(viewport={"width": width, "height": height}, color_scheme="light", **options))
         page.add_init_script("try { localStorage['viewimit-in-3d'] = 1 } catch {}")
         pages.append(page)
         page.on("pageerror", lambda error: faults.append(str(error)))
@@ -213,7 +214,7 @@ def test_it_opens_from_a_file_slides_and_plays_and_asks_nobody(session, replay, 
 
 @pytest.mark.browser
 def test_a_cell_of_a_notebook_shows_it(browser, replay):
-    page = browser.new_page()
+    page = sparing(browser.new_page())
     page.set_content(f"<body>{replay._repr_html_()}</body>")
     frame = page.frame_locator("iframe")
     frame.locator("#map .vi-now").wait_for()

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typescript
+from browsing import sparing
 from viewimit.app.lab.engine_scene import engine_scene
 from viewimit.app.lab.page import lab_page
 from waiting import wait_until
@@ -202,7 +203,7 @@ def address(tmp_path_factory):
 def test_a_challenge_made_here_is_played_there_by_touch_and_by_keys(browser, address):
     faults, pages = [], []
     for options in ({}, {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}, {}):
-        page = browser.new_context(**options).new_page()
+        page = sparing(browser.new_context(**options)).new_page()
         page.on("pageerror", lambda error: faults.append(str(error)))
         page.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
         pages.append(page)

@@ -75,7 +75,7 @@ def postures(scenes):
     return lambda name, inset=0.0: rng.uniform(scenes[name].lower + inset, scenes[name].upper - inset).round(6).tolist()
 
 
-@pytest.fixture(scope="module", params=[5, pytest.param(30, marks=pytest.mark.slow)])
+@pytest.fixture(scope="module", params=[3, pytest.param(30, marks=pytest.mark.slow)])
 def starts(request):
     """How many in each well-posed scene."""
     return request.param

@@ -6,6 +6,7 @@ import io
 
 import msgspec
 import pytest
+from browsing import sparing
 from viewimit.app.classroom.server import ENTRY as CLASS
 from viewimit.app.lab.lessons.format import Lesson
 from viewimit.app.lab.lessons.page import ENTRY as LESSONS
@@ -37,9 +38,9 @@ PRESETS = {preset.key: preset for preset in LAB_PRESETS if preset.key not in ("p
 
 
 @functools.cache
-def run_of(name, motions=MOTIONS):
+def run_of(name):
     session = Session(PRESETS[name].settings)
-    return session, session.run(motions)
+    return session, session.run(MOTIONS)
 
 
 def in_python(session, ended):
@@ -73,13 +74,14 @@ def test_the_lab_offers_methods_of_the_library():
 def opened(browser, tmp_path_factory):
     path = tmp_path_factory.mktemp("verdicts") / "lab.html"
     path.write_text(lab_page(), "utf-8")
-    page = browser.new_context().new_page()
+    page = sparing(browser.new_context()).new_page()
     page.goto(path.as_uri())
     page.locator("#outcome:not(:empty)").wait_for()
     yield page
     page.context.close()
 
 
+@pytest.mark.browser
 @pytest.mark.parametrize("name", PRESETS)
 def test_every_front_end_says_the_same_of_a_run(opened, name):
     session, ended = run_of(name)
@@ -104,6 +106,7 @@ def lesson_of_presets():
     return msgspec.convert({"title": "?", "short": "?", "about": "?", "minutes": 1, "step": steps}, Lesson)
 
 
+@pytest.mark.browser
 @pytest.mark.parametrize("entry", [LESSONS, CLASS])
 def test_lessons_and_a_class_say_the_same_of_a_run(browser, entry):
     html = lesson_page({"runs": lesson_of_presets(), "sign": shipped()["sign"]}, entry)
@@ -114,7 +117,8 @@ def test_lessons_and_a_class_say_the_same_of_a_run(browser, entry):
     for name in PRESETS:
         if name == "retuned":  # rests after more steps than a lesson plays
             continue
-        _, run = run_of(name, MAX_MOTIONS)
+        _, run = run_of(name)
+        assert run.motions <= MAX_MOTIONS
         expected = verdict(run.status)
         sentence = expected.sentence(run.motions, run.last.E, int(run.last.usable.sum()))
         assert page.evaluate(RACED, name) == [expected.label, expected.dot, sentence], name

@@ -316,7 +316,7 @@ FIELDS = """() => [...["password", "text", "search", "email", null].map(type =>
 TYPED = "() => [...document.querySelectorAll('.typed')].map(one => one.value ?? one.textContent.slice(1))"
 
 
-@pytest.mark.parametrize("answers", (0, 2, 3, 4))
+@pytest.mark.parametrize("answers", (0, 4, *(pytest.param(count, marks=pytest.mark.slow) for count in (2, 3))))
 def test_what_is_typed_into_a_field_is_the_field_s_own(opened, answers):
     """On the cover, and in steps with so many answers: the keys of the page, such as D, T and 2, do not act."""
     page = opened("choice" if answers else "")

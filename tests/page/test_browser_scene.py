@@ -1,15 +1,11 @@
-"""The 3-D scene in a real browser: what three.js has of it (viser leaves its store in the window, for tests)."""
+"""The camera of the 3-D scene in a real browser (viser leaves it in the window, for tests)."""
 
 import numpy as np
 import pytest
-from browsing import LESSON, choose, chosen_point, open_page, press, wait
-from viewimit.app.model.choices import PRESETS
+from browsing import chosen_point, open_page, press, wait
 
 pytestmark = pytest.mark.browser
 
-POSES = """() => Object.fromEntries(Object.entries(window.__viserMutable.nodeRefFromName)
-  .filter(([name, node]) => node && name && window.__viserSceneTree.getState()[name]?.effectiveVisibility)
-  .map(([name, node]) => [name, [...node.quaternion.toArray(), ...node.position.toArray()]]))"""
 CAMERA = """() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() =>
   done(window.__viserMutable.camera.position.toArray()))))"""  # after another frame
 
@@ -20,25 +16,6 @@ def page(browser, server):
     yield page
     page.close()
     assert page.problems == []
-
-
-def same(poses, others):
-    return poses.keys() == others.keys() and all(np.allclose(poses[name], others[name], atol=1e-5) for name in poses)
-
-
-def begin(page, preset):
-    choose(page, "Preset", preset.name)
-    wait(page, lambda: page.text_content(LESSON) == preset.says)
-
-
-def test_after_other_worlds_all_stands_where_it_stood_at_first(page):
-    first = PRESETS[0]
-    before = page.evaluate(POSES)
-    for name in ("Face to face", "Seven joints"):
-        begin(page, next(preset for preset in PRESETS if preset.name == name))
-        wait(page, lambda: not same(page.evaluate(POSES), before))
-    begin(page, first)
-    wait(page, lambda: same(page.evaluate(POSES), before), 20)
 
 
 def camera_at_rest(page):

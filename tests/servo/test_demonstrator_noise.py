@@ -26,7 +26,7 @@ def is_false(last, error_deg):
     return error_deg > FALSE_DEG and error_deg > TIMES * np.degrees(last.expected_error)
 
 
-@pytest.mark.parametrize("baseline_m", [0.05, 0.6])
+@pytest.mark.parametrize("baseline_m", [0.6, pytest.param(0.05, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
 def test_a_learner_does_not_stall_at_the_best_posture_behind_a_demonstrator_far_away(baseline_m, seed):
     """Four times as far as its own body, whose images alone made the floor under E."""

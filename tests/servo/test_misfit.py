@@ -122,7 +122,7 @@ def test_another_body_is_imitated_in_each_posture():
     settings = Settings(start_deg=(20, -120), seed=3, **NOISY)
     robot = lambda scene, points: stretched(scene, Session(settings).world.robot, np.array((0.02, -0.04)))
     session = Session(settings, open_eyes=lambda camera, *scene: OtherDemonstrator(*scene, robot(*scene)))
-    for demonstrator_deg in ((60, -60), (20, -40), (75, -110), (40, -140), (30, -90)):
+    for demonstrator_deg in ((60, -60), (20, -40), (40, -140)):
         session.pose(np.radians(demonstrator_deg))
         last = session.run(60 + session.snapshot.motion).last
         assert last.status == "converged" and last.misfit.kind is MisfitKind.ANOTHER_BODY
@@ -224,6 +224,7 @@ def test_a_lens_is_named_and_the_joint_angles_found_in_spite_of_it(seed):
     assert 0.1 < last.misfit.amount < 2 * 0.06 * radius**3 * head.focal
 
 
+@pytest.mark.slow
 def test_points_near_a_plane_make_no_other_body_of_the_same_one():
     rng, links = np.random.default_rng(5), (0, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 7, 7, 0, 3, 5)
     points = tuple((link, *rng.uniform(-0.004, 0.004, 3)) for link in links)  # m, about the joints' axes in one plane

@@ -104,6 +104,10 @@ def urdf(request, tmp_path):
     return write(tmp_path, *ROBOTS[request.param](), name=f"{request.param}.urdf")
 
 
+SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in ("hand", "endless", "coupled")]
+
+
+@pytest.mark.parametrize("urdf", ["arm", "mobile", "humanoid", "bare", *SLOW], indirect=True)
 def test_the_default_method_converges_and_claims_it(urdf):
     session = Session(
         Settings.paper(**{name: getattr(Settings(), name) for name in ("transfer", "servo")}, scene=str(urdf))

@@ -23,7 +23,7 @@ from viewimit.commands.cli import main
 from viewimit.geometry import limit_blas_threads
 
 METHOD = "geometry", "kinematics", "estimation", "servo", "golden"
-LONG = "test_site.py", "test_readme.py", "test_extension.py"
+LONG = "test_site.py", "test_workbench.py", "test_readme.py", "test_extension.py"
 WAITING = "test_faults.py", "test_deploy.py"
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
 ARM = """<robot name="r"><link name="base"/>

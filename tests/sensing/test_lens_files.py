@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from viewimit.commands.cli import main
-from viewimit.sensing.lens_files import CalibratedLens, read_lenses
+from viewimit.sensing.lens_files import CalibratedLens, lenses_of, read_lenses
 
 K = [[500.25, 0.0, 322.5], [0.0, 501.5, 238.0], [0.0, 0.0, 1.0]]
 D = [-0.301, 0.122, 1e-3, -2.5e-4, 0.0]
@@ -88,6 +88,7 @@ def test_anipose(tmp_path):
         ({"distortion_coefficients": {"data": [*D, 0.1, 0.2, 0.3]}}, "8 coefficients"),
         ({"camera_matrix": {"data": np.transpose(K).ravel().tolist()}}, "transposed"),
         ({"camera_matrix": {"data": [1.0, 2.0]}}, "9 numbers"),
+        ({"camera_matrix": {"data": np.diag([-1.0, 1, 1]).ravel().tolist()}}, "none of a lens"),
         ({"camera_matrix": None}, "no camera matrix"),
     ],
 )
@@ -101,7 +102,7 @@ def test_what_is_not_understood_is_refused(tmp_path, change, message):
 @pytest.mark.parametrize(
     "name, text",
     [("a.yaml", "camera_matrix: [1, 2"), ("a.yaml", "a: 1\n  b"), ("a.yml", "- " * 9000), ("a.xml", "<a"),
-     ("a.toml", "a ="), ("a.json", "{")],
+     ("a.toml", "a ="), ("a.json", "{"), ("a.xml", "<!DOCTYPE a><a/>"), ("a.yaml", "a: [1] 2"), ("a.yaml", "a: [1}")],
 )  # fmt: skip
 def test_a_damaged_file_is_named(tmp_path, name, text):
     (tmp_path / name).write_text(text)
@@ -116,6 +117,21 @@ def test_a_damaged_file_is_named(tmp_path, name, text):
 def test_whatever_stands_in_brackets_beside_the_matrix(tmp_path, text):
     (tmp_path / "a.yaml").write_text(f'cams: [{{"name": "x, ]", k: {K}, beside: {text}, D:{D}, size: [640, 480]}},]\n')
     assert read_lenses(tmp_path / "a.yaml") == {"x, ]": LENS}
+
+
+def test_what_a_command_is_given_is_refused_with_the_remedy(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.json").write_text(json.dumps(ros()))
+    refused = {"1,2,3": "may be left out", "0,1,2,3": "more than 0", "a,b": "or a file", "a.json#R": "no camera 'R'"}
+    for text, message in refused.items():
+        with pytest.raises(ValueError, match=message):
+            lenses_of(text)
+
+
+def test_points_that_its_pictures_do_not_have_speak_against_a_lens():
+    far, near = np.array([[700.0, 100.0], [3.0, 5.0]]), np.array([[300.0, 400.0], [310.0, 470.0]])
+    assert "pictures of 640 x 480 px" in next(LENS.doubts(far))
+    assert "all points lie below" in next(LENS.doubts(near)) and not list(LENS.doubts(far * np.nan))
 
 
 def table(path, by_camera):

@@ -143,6 +143,14 @@ def test_missing_values_are_invisible_and_reported(ask, tidy, mark):
     assert "4 points at (0, 0), (-1, -1) or the like: counted as lost by the tracker" in err
 
 
+def test_views_without_a_common_frame_are_told_with_their_frames(ask, tidy):
+    head, *rows = tidy.read_text().splitlines()
+    rows = [f"{2 * VIEWS.index(row[2]) + k}{row[1:]}" for row in rows for k in (0, 1)]
+    tidy.write_text("\n".join([head, *rows]) + "\n")
+    said = ask("evaluate", tidy)[2]
+    assert "no frame number is in all four views" in said and f"{VIEW_NAMES[VIEWS[3]]} has 6 to 7" in said
+
+
 def test_too_few_points_are_no_success(ask, tidy):
     status, _, err = ask("evaluate", tidy, "--min-confidence", 0.95)
     assert status == 1 and "no frame has 5 points" in err

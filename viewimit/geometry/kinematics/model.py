@@ -202,7 +202,7 @@ class ProjectiveKinematics:
     @cached_property
     def metric_downgrade(self) -> NDArray[np.float64]:
         """A⁻¹, (..., 4, 4): from the metric frame to the projective one."""
-        return np.linalg.inv(self.metric_upgrade)
+        return np.asarray(np.linalg.inv(self.metric_upgrade), np.float64)
 
 
 def frame_matrices(frame: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -3,6 +3,7 @@ out anew. One page for all: only its window changes."""
 
 import re
 
+import numpy as np
 import pytest
 from browsing import (
     FOUR_IMAGES,
@@ -11,11 +12,14 @@ from browsing import (
     METRICS,
     STATUS,
     VIEW_TABS,
+    chosen_point,
     fold,
     open_page,
     press,
     status,
+    still,
     switch,
+    wait,
     wait_for_status,
 )
 
@@ -52,6 +56,9 @@ selector => [...document.querySelectorAll(selector)].filter(e => e.getClientRect
 }).filter(e => e.shown && e.width > 0)
 """
 
+CAMERA = """() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() =>
+  done(window.__viserMutable.camera.position.toArray()))))"""  # after another frame
+
 
 @pytest.fixture(scope="module")
 def page(browser, server):
@@ -85,6 +92,34 @@ def assert_seen(page, selector, least=1, where=""):
 
 def show(page, view):
     page.evaluate("id => document.getElementById(id).click()", f"vi-view-{view}")
+
+
+def camera_at_rest(page):
+    return still(page, lambda: np.round(page.evaluate(CAMERA), 2).tolist(), 2)
+
+
+def test_the_view_is_fitted_to_another_canvas_unless_the_visitor_has_turned_it(page):
+    first = camera_at_rest(page)
+    resize(page, 1480, 720)
+    wait(page, lambda: not np.allclose(page.evaluate(CAMERA), first, atol=0.05))
+    fitted = camera_at_rest(page)
+    box = page.locator("canvas[data-engine]").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + 60  # where nothing stands over the scene
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 80, y, steps=4)
+    page.mouse.up()
+    wait(page, lambda: not np.allclose(page.evaluate(CAMERA), fitted, atol=0.3))
+    turned = camera_at_rest(page)
+    page.keyboard.down("ArrowRight")  # the page's: viser would turn its camera as long as it is held
+    camera_at_rest(page)
+    page.keyboard.up("ArrowRight")
+    assert np.allclose(page.evaluate(CAMERA), turned, atol=0.05)
+    resize(page, 1280, 720)
+    before = chosen_point(page)
+    press(page, "n")
+    wait(page, lambda: chosen_point(page) != before)
+    assert np.allclose(page.evaluate(CAMERA), turned, atol=0.05)
 
 
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])

@@ -52,8 +52,6 @@ PLACE = """name => {
   const {camera, canvas, nodeRefFromName} = window.__viserMutable, box = canvas.getBoundingClientRect()
   const place = nodeRefFromName[name].getWorldPosition(camera.position.clone()).project(camera)
   return [box.left + box.width * (1 + place.x) / 2, box.top + box.height * (1 - place.y) / 2] }"""
-CAMERA = """() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() =>
-  done(window.__viserMutable.camera.position.toArray()))))"""  # after another frame
 ELBOW = "/panda/demonstrator/j1/j2/j3/j4"
 # What answers a pointer, and is neither a control that keys reach, nor in one, nor the same as one that they reach
 OUT_OF_REACH = """
@@ -97,18 +95,6 @@ def look_in_3d(page) -> None:
     wait_for_count(page, ".vi-flat", 0, exactly=True)
 
 
-def camera_at_rest(page):
-    """Where it is, once two looks in a row find it there."""
-    places = [page.evaluate(CAMERA)]
-
-    def rests():
-        places.append(page.evaluate(CAMERA))
-        return np.allclose(*places[-2:], atol=1e-3)
-
-    wait(page, rests)
-    return places[-1]
-
-
 class TestWithTheMouse:
     def test_a_new_visitor_sees_everything_and_nothing_leaves_the_machine(self, page):
         assert "Ready" in status(page) and posture(page) == [25, -25] and chosen_point(page)
@@ -118,29 +104,6 @@ class TestWithTheMouse:
         hosts = {urlparse(url).hostname for url in page.requested if not url.startswith(("data:", "blob:"))}
         assert hosts == {"127.0.0.1"}
         page.get_by_role("button", name="Not now").click()
-
-    def test_the_view_is_fitted_to_another_canvas_unless_the_visitor_has_turned_it(self, page):
-        first = camera_at_rest(page)
-        page.set_viewport_size({"width": 1480, "height": 720})
-        wait(page, lambda: not np.allclose(page.evaluate(CAMERA), first, atol=0.05))
-        fitted = camera_at_rest(page)
-        box = page.locator("canvas[data-engine]").bounding_box()
-        x, y = box["x"] + box["width"] / 2, box["y"] + 60  # where nothing stands over the scene
-        page.mouse.move(x, y)
-        page.mouse.down()
-        page.mouse.move(x + 80, y, steps=4)
-        page.mouse.up()
-        wait(page, lambda: not np.allclose(page.evaluate(CAMERA), fitted, atol=0.3))
-        turned = camera_at_rest(page)
-        page.keyboard.down("ArrowRight")  # the page's: viser would turn its camera as long as it is held
-        camera_at_rest(page)
-        page.keyboard.up("ArrowRight")
-        assert np.allclose(page.evaluate(CAMERA), turned, atol=0.05)
-        page.set_viewport_size({"width": 1280, "height": 720})
-        before = chosen_point(page)
-        press(page, "n")
-        wait(page, lambda: chosen_point(page) != before)
-        assert np.allclose(page.evaluate(CAMERA), turned, atol=0.05)
 
     def test_points_of_the_images_are_chosen_by_a_click_and_images_enlarged(self, page):
         for view, point in zip("Lr", (7, 5)):

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from browsing import private_windows, sparing
+from browsing import private_windows, sparing, still
 from viewimit.app.lab.article.page import FIGURES, TURNED
 from waiting import wait_until
 
@@ -68,7 +68,8 @@ def same(one, other):
 
 
 def centre(page, selector):
-    box = page.locator(selector).bounding_box()
+    """The middle of an element, once it stands: a drawing that changes is drawn anew."""
+    box = still(page, lambda: wait_until(page.locator(selector).bounding_box), 2)
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 

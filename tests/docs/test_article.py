@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from browsing import private_windows, sparing, still
+from browsing import private_windows
 from viewimit.app.lab.article.page import FIGURES, TURNED
 from waiting import wait_until
 
@@ -43,7 +43,7 @@ def opened(browser, path):
     """Opens the figures in windows of their own, which must ask nobody and have no fault."""
 
     def open_(width=900, height=900, **options):
-        page = page_of(sparing(browser.new_context(viewport={"width": width, "height": height}, **options)))
+        page = page_of(browser.new_context(viewport={"width": width, "height": height}, **options))
         page.goto(path.as_uri())
         page.evaluate(BEGIN_ALL)
         return page
@@ -68,8 +68,7 @@ def same(one, other):
 
 
 def centre(page, selector):
-    """The middle of an element, once it stands: a drawing that changes is drawn anew."""
-    box = still(page, lambda: wait_until(page.locator(selector).bounding_box), 2)
+    box = wait_until(page.locator(selector).bounding_box)  # none while its drawing is made anew
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 

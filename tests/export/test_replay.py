@@ -8,7 +8,7 @@ import zlib
 import msgspec
 import numpy as np
 import pytest
-from browsing import sparing
+from browsing import SPARING, sparing
 from PIL import Image
 from viewimit.app.lab.recording import MAP_DEG, PX, RAD, SHARE
 from waiting import wait_until
@@ -127,7 +127,7 @@ def opened(browser, tmp_path):
     def open_(replay, address="", width=1280, height=720, before=None, **options):
         path = tmp_path / "run.html"
         assert replay.save(path) == path.stat().st_size
-        page = sparing(browser.new_page(viewport={"width": width, "height": height}, color_scheme="light", **options))
+        page = browser.new_page(viewport={"width": width, "height": height}, color_scheme="light", **options)
         page.add_init_script("try { localStorage['viewimit-in-3d'] = 1 } catch {}")
         pages.append(page)
         page.on("pageerror", lambda error: faults.append(str(error)))
@@ -226,7 +226,7 @@ def test_a_cell_of_a_notebook_shows_it(browser, replay):
 @pytest.mark.browser
 def test_the_lab_takes_over_from_any_moment_and_leads_back(session, replay, opened):
     page, state = (
-        opened(replay, "#2"),
+        opened(replay, "#2", before=SPARING),
         "() => { const {theta, thetaDemo} = lab.session().now; return [theta, thetaDemo]; }",
     )
     page.locator("#takeover").click()
@@ -247,7 +247,7 @@ def test_the_lab_takes_over_from_any_moment_and_leads_back(session, replay, open
     last = session.history[-1]
     wait_until(lambda: page.locator("#play").is_visible())
     np.testing.assert_allclose(page.evaluate(state), [last.theta, last.theta_demo], atol=2e-6)
-    again = opened(replay, address)  # straight into the lab
+    again = opened(replay, address, before=SPARING)  # straight into the lab
     wait_until(lambda: again.evaluate("typeof lab === 'object' && lab.session().now.motion") == 1)
     again.locator("#return").click()
     wait_until(lambda: again.locator("#run").is_visible())

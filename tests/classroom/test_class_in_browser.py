@@ -9,7 +9,6 @@ from pathlib import Path
 
 import browser as chromium
 import pytest
-from browsing import sparing
 from class_server import CODE, ClassServer
 from waiting import wait_until
 
@@ -32,7 +31,7 @@ class Tab:
     """A page of the class in a context of its own, as another device's browser has it."""
 
     def __init__(self, browser, server, step="eyes", name=None, **how):
-        self.context = sparing(browser.new_context(**(how or {"viewport": STUDENT})))
+        self.context = browser.new_context(**(how or {"viewport": STUDENT}))
         self.context.set_default_timeout(PATIENCE_MS)
         self.server, self.page, self.problems = server, self.context.new_page(), []
         self.page.on("pageerror", lambda error: self.problems.append(str(error)))

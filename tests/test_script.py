@@ -50,7 +50,7 @@ ACTIONS = st.lists(
 )  # fmt: skip
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(ACTIONS, st.sampled_from([Settings.paper(), Settings(), LOSSY]))
 def test_whatever_is_done_is_done_again_to_the_last_bit(actions, begun):
     session = Session(begun)

@@ -122,7 +122,7 @@ def test_another_body_is_imitated_in_each_posture():
     settings = Settings(start_deg=(20, -120), seed=3, **NOISY)
     robot = lambda scene, points: stretched(scene, Session(settings).world.robot, np.array((0.02, -0.04)))
     session = Session(settings, open_eyes=lambda camera, *scene: OtherDemonstrator(*scene, robot(*scene)))
-    for demonstrator_deg in ((60, -60), (20, -40), (40, -140)):
+    for demonstrator_deg in ((60, -60), (20, -40), (75, -110), (40, -140), (30, -90)):
         session.pose(np.radians(demonstrator_deg))
         last = session.run(60 + session.snapshot.motion).last
         assert last.status == "converged" and last.misfit.kind is MisfitKind.ANOTHER_BODY

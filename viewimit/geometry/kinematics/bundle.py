@@ -99,15 +99,15 @@ def _linearised(
     g = J[:P].reshape(P, -1) @ residuals.ravel() + prior * found.parameters
     h = np.einsum("akni,kni->na", J[P:], residuals)
     diag_A, diag_C = np.diag(A), np.einsum("naa->na", C)
-    rows = B.transpose(0, 2, 1).reshape(-1, P)
+    B_flat = B.transpose(0, 2, 1).reshape(-1, P)  # a row for each coordinate of a point
 
     def damped_step(damping: float) -> Model:
         raised = damping * diag_C + REGULARISATION * diag_C.sum(1, keepdims=True) + np.finfo(float).tiny
         inverse = np.linalg.inv(C + raised[..., None] * np.eye(3))
         BC = (B @ inverse).transpose(1, 0, 2).reshape(P, -1)
-        reduced = A + np.diag(damping * diag_A + REGULARISATION * diag_A.mean()) - BC @ rows
+        reduced = A + np.diag(damping * diag_A + REGULARISATION * diag_A.mean()) - BC @ B_flat
         step = np.linalg.solve(reduced, BC @ h.ravel() - g)
-        points = found.points - np.einsum("nab,nb->na", inverse, h + (rows @ step).reshape(-1, 3))
+        points = found.points - np.einsum("nab,nb->na", inverse, h + (B_flat @ step).reshape(-1, 3))
         return replace(found, parameters=found.parameters + step, points=points)
 
     return damped_step

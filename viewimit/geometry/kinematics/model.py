@@ -68,11 +68,17 @@ class StereoFrame:
 def twist_matrices(twists: NDArray[np.float64]) -> NDArray[np.float64]:
     """Angular velocity ω and velocity v, (..., 6) → [[ω]× v; 0 0], (..., 4, 4)."""
     S = np.zeros((*twists.shape[:-1], 4, 4))
-    x, y, z = twists[..., 0], twists[..., 1], twists[..., 2]
-    S[..., 0, 1], S[..., 0, 2], S[..., 1, 2] = -z, y, -x
-    S[..., 1, 0], S[..., 2, 0], S[..., 2, 1] = z, -y, x
-    S[..., :3, 3] = twists[..., 3:]
+    S[..., :3, :3], S[..., :3, 3] = cross_matrices(twists[..., :3]), twists[..., 3:]
     return S
+
+
+def cross_matrices(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """[v]×, (..., 3, 3), of vectors v, (..., 3): its product with a vector is the cross product of v with it."""
+    found = np.zeros((*vectors.shape, 3))
+    x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
+    found[..., 0, 1], found[..., 0, 2], found[..., 1, 2] = -z, y, -x
+    found[..., 1, 0], found[..., 2, 0], found[..., 2, 1] = z, -y, x
+    return found
 
 
 def generator_powers(G: NDArray[np.float64], rate: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -31,7 +31,15 @@ from ..rectification import MIN_DENOMINATOR
 from .adjustment import BundleAdjustment
 from .bundle import Residuals, jacobian, levenberg_marquardt, normal_equations
 from .clusters import Observations
-from .model import MAX_LOG_SCALE, MIN_RATE, N_FRAME, ProjectiveKinematics, frame_matrices, twist_matrices
+from .model import (
+    MAX_LOG_SCALE,
+    MIN_RATE,
+    N_FRAME,
+    ProjectiveKinematics,
+    cross_matrices,
+    frame_matrices,
+    twist_matrices,
+)
 
 Array = NDArray[np.float64]
 N_SIMILARITY = 7  # rotation vector, translation, logarithm of the scale
@@ -305,9 +313,7 @@ def covariance_of(model: Any, residuals_of: Residuals, prior: Array) -> Array:
 def rotations(vectors: Array) -> Array:
     """Rotation matrices (..., 3, 3) of rotation vectors (..., 3) rad, by Rodrigues' formula."""
     angle = np.maximum(np.sqrt((vectors**2).sum(-1)), np.finfo(float).tiny)[..., None, None]
-    K, (x, y, z) = np.zeros((*vectors.shape, 3)), (vectors[..., k] for k in range(3))
-    K[..., 0, 1], K[..., 0, 2], K[..., 1, 2] = -z, y, -x
-    K[..., 1, 0], K[..., 2, 0], K[..., 2, 1] = z, -y, x
+    K = cross_matrices(vectors)
     return np.eye(3) + np.sinc(angle / np.pi) * K + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * (K @ K)
 
 

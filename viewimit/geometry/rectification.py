@@ -121,7 +121,7 @@ def rectify(F: NDArray[np.float64], left: NDArray[np.float64], right: NDArray[np
     to_infinity = np.array([[1, 0, 0], [0, 1, 0], [-epipole[2] / along, 0, 1]])
     back = np.array([[1, 0, middle[0]], [0, 1, middle[1]], [0, 0, 1]])
     H_right = back @ to_infinity @ to_row
-    rows = H_right @ _cross_matrix(epipole) @ F  # a point of the epipolar line of each left point; row 0 is free
+    rows = H_right @ cross_matrices(epipole) @ F  # a point of the epipolar line of each left point; row 0 is free
     l = homogeneous(left)
     H_left = rows / (l.mean(0) @ rows[2])
     target = _map(right, H_right)[:, 0]
@@ -182,7 +182,10 @@ def _enlarged(points: NDArray, H: NDArray) -> NDArray:
     return np.sqrt((J**2).sum((-1, -2)) / 2)
 
 
-def _cross_matrix(v: NDArray) -> NDArray:
-    """[v]×"""
-    x, y, z = v
-    return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+def cross_matrices(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """[v]×, (..., 3, 3), of vectors v, (..., 3): its product with a vector is the cross product of v with it."""
+    found = np.zeros((*vectors.shape, 3))
+    x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
+    found[..., 0, 1], found[..., 0, 2], found[..., 1, 2] = -z, y, -x
+    found[..., 1, 0], found[..., 2, 0], found[..., 2, 1] = z, -y, x
+    return found

@@ -24,7 +24,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..rectification import Rectification
+from ..rectification import Rectification, cross_matrices
 from .clusters import LinkClusters, Observations, chain_transforms
 
 MIN_SCALE_PX = 1e-6  # of images in a plane
@@ -70,15 +70,6 @@ def twist_matrices(twists: NDArray[np.float64]) -> NDArray[np.float64]:
     S = np.zeros((*twists.shape[:-1], 4, 4))
     S[..., :3, :3], S[..., :3, 3] = cross_matrices(twists[..., :3]), twists[..., 3:]
     return S
-
-
-def cross_matrices(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """[v]×, (..., 3, 3), of vectors v, (..., 3): its product with a vector is the cross product of v with it."""
-    found = np.zeros((*vectors.shape, 3))
-    x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
-    found[..., 0, 1], found[..., 0, 2], found[..., 1, 2] = -z, y, -x
-    found[..., 1, 0], found[..., 2, 0], found[..., 2, 1] = z, -y, x
-    return found
 
 
 def generator_powers(G: NDArray[np.float64], rate: NDArray[np.float64]) -> NDArray[np.float64]:

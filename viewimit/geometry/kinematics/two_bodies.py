@@ -27,19 +27,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..rectification import MIN_DENOMINATOR
+from ..rectification import MIN_DENOMINATOR, cross_matrices
 from .adjustment import BundleAdjustment
 from .bundle import Residuals, jacobian, levenberg_marquardt, normal_equations
 from .clusters import Observations
-from .model import (
-    MAX_LOG_SCALE,
-    MIN_RATE,
-    N_FRAME,
-    ProjectiveKinematics,
-    cross_matrices,
-    frame_matrices,
-    twist_matrices,
-)
+from .model import MAX_LOG_SCALE, MIN_RATE, N_FRAME, ProjectiveKinematics, frame_matrices, twist_matrices
 
 Array = NDArray[np.float64]
 N_SIMILARITY = 7  # rotation vector, translation, logarithm of the scale
